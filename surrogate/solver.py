@@ -1,0 +1,82 @@
+"""The solver contract: what a simulation tells about itself, on one screen.
+
+A solver is any object with `inputs`, `outputs`, `version` and `__call__`. No
+inheritance: ::
+
+    class Beam:
+        \"\"\"Tip deflection of a cantilever.\"\"\"
+        version = "1"
+        inputs = {
+            "load": Input(unit="N", nominal=10.0, range=(0.0, 100.0)),
+            "length": Input(unit="m", nominal=1.0, range=(0.1, 3.0)),
+        }
+        outputs = {"tip": Output(unit="mm")}
+
+        def __call__(self, load, length):
+            return {"tip": load * length**3 / 3 / 210.0}
+
+A study calls the class with the study's solver options and then the instance
+once a run, by keyword, in the units that `inputs` states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Input:
+    """A quantity that the solver takes.
+
+    unit         a pint unit, "" when dimensionless
+    nominal      the value used when a study does not vary it (None: a study must give it)
+    range        smallest and largest value that the solver accepts, in `unit`
+    levels       the names it accepts, when it is categorical (then no range)
+    description  what it is
+    source       where nominal value and range come from
+    """
+
+    unit: str = ""
+    nominal: float | str | None = None
+    range: tuple[float, float] = (-np.inf, np.inf)
+    levels: tuple[str, ...] = ()
+    description: str = ""
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Output:
+    """A quantity that the solver returns: a float, or an array over `dims`.
+
+    coordinates maps each name in `dims` to its coordinate values, shape (size,).
+    """
+
+    unit: str = ""
+    dims: tuple[str, ...] = ()
+    coordinates: Mapping[str, np.ndarray] = field(default_factory=dict)
+    description: str = ""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Sizes along `dims`; `()` for a scalar."""
+        return tuple(len(self.coordinates[dim]) for dim in self.dims)
+
+
+@runtime_checkable
+class Solver(Protocol):
+    """What a study needs of a solver; see the module's first lines.
+
+    `__call__` returns a float or array for each name in `outputs`. It raises
+    `surrogate.errors.SolverError` for a point that has no answer, with a
+    sentence that says why; the study keeps that point as a failed run.
+    """
+
+    inputs: Mapping[str, Input]
+    outputs: Mapping[str, Output]
+    version: str
+
+    def __call__(self, **inputs: Any) -> Mapping[str, Any]: ...

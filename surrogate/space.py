@@ -1,0 +1,240 @@
+"""Parameters and the space they span: the only place where values are coded.
+
+`physical` values carry units (or are the names of levels); `coded` values lie in
+[-1, 1]. A bounded parameter is coded by Chassagne et al. 2018, equation 8,
+
+    x* = 2 (x - min) / (max - min) - 1,
+
+an unbounded one by the probability transform x* = 2 F(x) - 1, and k levels lie
+evenly from -1 to 1. Dependent parameters are joined by a Gaussian copula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import special
+
+from surrogate.distributions import Distribution
+from surrogate.errors import StudyError, nearest
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One thing that varies: either a `distribution` in `unit`, or named `levels`."""
+
+    name: str
+    distribution: Distribution | None = None
+    levels: tuple[str, ...] = ()
+    unit: str = ""
+    description: str = ""
+
+    def __post_init__(self):
+        if (self.distribution is None) == (not self.levels):
+            raise StudyError(f"{self.name}: give either a distribution or levels, not both")
+        if self.levels and (len(self.levels) < 2 or len(set(self.levels)) < len(self.levels)):
+            raise StudyError(f"{self.name}: levels {list(self.levels)} must be two or more "
+                             "different names")
+
+    @property
+    def categorical(self) -> bool:
+        """True for named levels."""
+        return bool(self.levels)
+
+    @property
+    def bounded(self) -> bool:
+        """True when coded -1 and 1 stand for finite values."""
+        return self.categorical or self.distribution.bounded
+
+    @property
+    def coded_levels(self) -> np.ndarray:
+        """Coded values of the levels, shape (k,): evenly from -1 to 1."""
+        return np.linspace(-1.0, 1.0, len(self.levels))
+
+    def encode(self, physical) -> np.ndarray:
+        """Coded values of physical ones, same shape; level names for a categorical one."""
+        if self.categorical:
+            return self._encode_levels(physical)
+        x = np.asarray(physical, dtype=float)
+        if self.bounded:
+            lower, upper = self.distribution.support
+            return 2.0 * (x - lower) / (upper - lower) - 1.0
+        below = 2.0 * self.distribution.cdf(x) - 1.0
+        return np.where(below < 0.0, below, 1.0 - 2.0 * self.distribution.sf(x))
+
+    def _encode_levels(self, physical) -> np.ndarray:
+        names = np.asarray(physical).astype(str)
+        unknown = sorted(set(names.ravel()) - set(self.levels))
+        if unknown:
+            raise StudyError(f"{self.name}: level '{unknown[0]}' is unknown; "
+                             f"{nearest(unknown[0], self.levels)}")
+        order = {level: code for level, code in zip(self.levels, self.coded_levels, strict=True)}
+        return np.vectorize(order.__getitem__, otypes=[float])(names)
+
+    def decode(self, coded) -> np.ndarray:
+        """Physical values of coded ones, same shape; the nearest level when categorical."""
+        t = np.asarray(coded, dtype=float)
+        if self.categorical:
+            last = len(self.levels) - 1
+            index = np.clip(np.rint((t + 1.0) / 2.0 * last), 0, last).astype(int)
+            return np.asarray(self.levels)[index]
+        if self.bounded:
+            # Written about the nearer end so that -1 and 1 give the bounds to the last digit.
+            lower, upper = self.distribution.support
+            return np.where(t < 0.0, lower + 0.5 * (t + 1.0) * (upper - lower),
+                            upper - 0.5 * (1.0 - t) * (upper - lower))
+        return np.where(t < 0.0, self.distribution.ppf(np.clip((1.0 + t) / 2.0, 0.0, 1.0)),
+                        self.distribution.isf(np.clip((1.0 - t) / 2.0, 0.0, 1.0)))
+
+    def quantile(self, u) -> np.ndarray:
+        """Coded value below which the probability is u, for u in (0, 1); same shape."""
+        u = np.asarray(u, dtype=float)
+        if self.categorical:
+            index = np.minimum((u * len(self.levels)).astype(int), len(self.levels) - 1)
+            return self.coded_levels[index]
+        if not self.bounded or self.distribution.is_uniform:
+            return 2.0 * u - 1.0
+        return self.encode(self.distribution.ppf(u))
+
+    def quadrature(self, order: int) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes (m,) in coded values and weights (m,) that sum to 1, for this parameter's law.
+
+        Sums over the levels when categorical; Gauss-Legendre in the coded value
+        (exact to polynomial degree 2 `order` - 1) where that is uniform; for other
+        densities Gauss-Legendre of the density-weighted integrand, on panels.
+        """
+        if self.categorical:
+            return self.coded_levels, np.full(len(self.levels), 1.0 / len(self.levels))
+        nodes, weights = special.roots_legendre(order)
+        if not self.bounded or self.distribution.is_uniform:
+            return nodes, weights / 2.0
+        return self._weighted_quadrature(order)
+
+    def _weighted_quadrature(self, order: int) -> tuple[np.ndarray, np.ndarray]:
+        """Gauss rule of the coded density, from 64 panels of Gauss-Legendre (Stieltjes)."""
+        lower, upper = self.distribution.support
+        breaks = np.union1d(np.linspace(-1.0, 1.0, 65), self._coded_kinks())
+        x, w = special.roots_legendre(max(16, order))
+        half = np.diff(breaks)[:, None] / 2.0
+        fine = (breaks[:-1, None] + half + half * x).ravel()
+        density = self.distribution.pdf(self.decode(fine)) * (upper - lower) / 2.0
+        mass = (half * w).ravel() * density
+        return _gauss_rule(fine, mass / mass.sum(), order)
+
+    def _coded_kinks(self) -> np.ndarray:
+        """Coded places where the density is not smooth: the mode of a triangle."""
+        mode = dict(self.distribution.words).get("mode")
+        return np.array([]) if mode is None else np.clip(self.encode([mode]), -1.0, 1.0)
+
+
+def _gauss_rule(x: np.ndarray, w: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss rule of a discrete measure by Lanczos / Golub and Welsch 1969.
+
+    x, w: nodes and weights of the measure, shape (m,); returns `order` of them.
+    """
+    alpha, beta = np.zeros(order), np.zeros(order)
+    before, now = np.zeros_like(x), np.ones_like(x) / np.sqrt(w.sum())
+    for k in range(order):
+        alpha[k] = (w * now * now * x).sum()
+        after = (x - alpha[k]) * now - (beta[k - 1] * before if k else 0.0)
+        beta[k] = np.sqrt((w * after * after).sum())
+        before, now = now, after / beta[k]
+    jacobi = np.diag(alpha) + np.diag(beta[:-1], 1) + np.diag(beta[:-1], -1)
+    nodes, vectors = np.linalg.eigh(jacobi)
+    return nodes, vectors[0] ** 2
+
+
+@dataclass(frozen=True)
+class Space:
+    """Parameters in order, and the correlation matrix of their Gaussian copula (or None)."""
+
+    parameters: tuple[Parameter, ...]
+    correlation: tuple[tuple[float, ...], ...] | None = None
+
+    def __post_init__(self):
+        if not self.parameters:
+            raise StudyError("a space needs at least one parameter")
+        if len(set(self.names)) < len(self.names):
+            raise StudyError(f"parameter names {list(self.names)} must all differ")
+        if self.correlation is not None:
+            _check_correlation(np.asarray(self.correlation), len(self.parameters))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameter names in order."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    @property
+    def size(self) -> int:
+        """Number of parameters."""
+        return len(self.parameters)
+
+    @property
+    def independent(self) -> bool:
+        """True when no parameters are correlated."""
+        return self.correlation is None or np.allclose(self.correlation, np.eye(self.size))
+
+    def __getitem__(self, name: str) -> Parameter:
+        for parameter in self.parameters:
+            if parameter.name == name:
+                return parameter
+        raise StudyError(f"parameter '{name}' is unknown; {nearest(name, self.names)}")
+
+    def encode(self, physical: Mapping[str, Any]) -> np.ndarray:
+        """Coded values (run, parameter) of columns of physical ones, name -> (run,)."""
+        missing = [name for name in self.names if name not in physical]
+        if missing:
+            raise StudyError(f"no value for {', '.join(missing)}")
+        columns = [np.atleast_1d(p.encode(physical[p.name])) for p in self.parameters]
+        return np.column_stack(columns)
+
+    def decode(self, coded) -> dict[str, np.ndarray]:
+        """Columns of physical values, name -> (run,), of coded ones (run, parameter)."""
+        coded = self._points(coded)
+        return {p.name: p.decode(coded[:, j]) for j, p in enumerate(self.parameters)}
+
+    def quantile(self, u) -> np.ndarray:
+        """Coded points (run, parameter) of independent uniform numbers in (0, 1).
+
+        The joint law of the result is the space's own, copula included: this is how
+        random and low-discrepancy numbers become designs and samples.
+        """
+        u = self._points(u)
+        if not self.independent:
+            normal = special.ndtri(np.clip(u, 1e-16, 1.0 - 1e-16))
+            u = special.ndtr(normal @ np.linalg.cholesky(np.asarray(self.correlation)).T)
+        return np.column_stack([p.quantile(u[:, j]) for j, p in enumerate(self.parameters)])
+
+    def sample(self, runs: int, *, seed=None) -> np.ndarray:
+        """Random coded points (run, parameter) from the joint law."""
+        return self.quantile(np.random.default_rng(seed).random((runs, self.size)))
+
+    def contains(self, coded) -> np.ndarray:
+        """Which coded points (run, parameter) lie in [-1, 1] throughout; shape (run,)."""
+        return (np.abs(self._points(coded)) <= 1.0 + 1e-9).all(axis=1)
+
+    def _points(self, values) -> np.ndarray:
+        values = np.atleast_2d(np.asarray(values, dtype=float))
+        if values.shape[1] != self.size:
+            raise StudyError(f"points have {values.shape[1]} columns but the space has "
+                             f"{self.size} parameters: {', '.join(self.names)}")
+        return values
+
+
+def space_of(parameters: Sequence[Parameter]) -> Space:
+    """Space of independent parameters."""
+    return Space(tuple(parameters))
+
+
+def _check_correlation(matrix: np.ndarray, size: int) -> None:
+    if matrix.shape != (size, size):
+        raise StudyError(f"the correlation matrix is {matrix.shape}; it must be ({size}, {size})")
+    if not np.allclose(matrix, matrix.T) or not np.allclose(np.diag(matrix), 1.0):
+        raise StudyError("the correlation matrix must be symmetric with ones on its diagonal")
+    smallest = np.linalg.eigvalsh(matrix)[0]
+    if smallest <= 1e-10:
+        raise StudyError(f"the correlation matrix is not positive definite (smallest eigenvalue "
+                         f"{smallest:.3g}); no set of quantities has these correlations")
