@@ -11,7 +11,7 @@ evenly from -1 to 1. Dependent parameters are joined by a Gaussian copula.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -222,11 +222,6 @@ class Space:
             raise StudyError(f"points have {values.shape[1]} columns but the space has "
                              f"{self.size} parameters: {', '.join(self.names)}")
         return values
-
-
-def space_of(parameters: Sequence[Parameter]) -> Space:
-    """Space of independent parameters."""
-    return Space(tuple(parameters))
 
 
 def _check_correlation(matrix: np.ndarray, size: int) -> None:
