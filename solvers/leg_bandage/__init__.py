@@ -1,0 +1,1 @@
+"""A compression bandage on a lower leg: geometry, mechanics, contact."""
