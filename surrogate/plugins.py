@@ -1,0 +1,164 @@
+"""Names to objects: entry points and `module:object`.
+
+Entry-point groups: `surrogate.solvers`, `surrogate.designs`,
+`surrogate.augmentations`, `surrogate.regressors`, `surrogate.sensitivity`. The
+built-in plug-ins are registered in the same way, so an installed package needs
+no edit here.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from importlib.metadata import EntryPoint, entry_points
+from inspect import Parameter, getdoc, signature
+from pathlib import Path
+from typing import Any
+
+from pydantic import ConfigDict, PydanticSchemaGenerationError, ValidationError, create_model
+from typing_extensions import get_type_hints
+
+from surrogate.errors import PluginError, nearest
+
+SOLVERS = "surrogate.solvers"
+DESIGNS = "surrogate.designs"
+AUGMENTATIONS = "surrogate.augmentations"
+REGRESSORS = "surrogate.regressors"
+SENSITIVITY = "surrogate.sensitivity"
+GROUPS = (SOLVERS, DESIGNS, AUGMENTATIONS, REGRESSORS, SENSITIVITY)
+
+
+def available(group: str) -> dict[str, EntryPoint]:
+    """Installed plug-ins of a group by name, sorted."""
+    return {point.name: point for point in sorted(entry_points(group=group))}
+
+
+def load(group: str, name: str, folder: Path | None = None) -> Any:
+    """The object called `name`: an entry point of `group`, or `module:object`.
+
+    folder: where a module of the study's own may stand. Raises `PluginError`
+    when the name is unknown or the module does not load.
+    """
+    installed = available(group)
+    if name in installed:
+        return _load(name, installed[name].load)
+    if ":" in name:
+        with _importing_from(folder):
+            return _load(name, lambda: _resolve(name))
+    kind = group.rsplit(".", 1)[-1]
+    raise PluginError(f"'{name}' is not one of the {kind}; {nearest(name, installed)}; "
+                      "or write module:object")
+
+
+def _resolve(path: str) -> Any:
+    module, _, attribute = path.partition(":")
+    found = importlib.import_module(module)
+    for part in attribute.split("."):
+        found = getattr(found, part)
+    return found
+
+
+def _load(name: str, loader) -> Any:
+    """Call `loader`; whatever goes wrong in a stranger's module becomes one sentence."""
+    try:
+        return loader()
+    except Exception as error:
+        raise PluginError(f"'{name}' does not load: {type(error).__name__}: {error}") from error
+
+
+@contextmanager
+def _importing_from(folder: Path | None):
+    """Let modules beside the study, and in the current folder, be imported."""
+    added = [str(place) for place in (folder, Path.cwd()) if place is not None]
+    sys.path[:0] = added
+    try:
+        yield
+    finally:
+        for place in added:
+            sys.path.remove(place)
+
+
+@dataclass(frozen=True)
+class SolverRecipe:
+    """How any process builds the study's solver; call it to get the solver.
+
+    name     entry point or `module:object`, or the solver itself (from Python)
+    options  the study's solver options
+    folder   where the study file lies: for its own modules and files
+    """
+
+    name: Any
+    options: Mapping[str, Any] = field(default_factory=dict)
+    folder: Path | None = None
+
+    @property
+    def label(self) -> str:
+        """The solver's name as the study writes it."""
+        return self.name if isinstance(self.name, str) else type(self.name).__qualname__
+
+    def __call__(self) -> Any:
+        """The solver, built; `PluginError` or the constructor's own error when it cannot."""
+        found = load(SOLVERS, self.name, self.folder) if isinstance(self.name, str) else self.name
+        if hasattr(found, "inputs") and not isinstance(found, type):
+            return found
+        extra = {"folder": self.folder} if _takes_folder(found) else {}
+        with _importing_from(self.folder):
+            return found(**self.options, **extra)
+
+
+def _takes_folder(factory: Any) -> bool:
+    return "folder" in _parameters(factory)
+
+
+def _parameters(function: Any) -> dict[str, Parameter]:
+    try:
+        return dict(signature(function).parameters)
+    except (TypeError, ValueError):
+        return {}
+
+
+def option_mistakes(function: Any, options: Mapping[str, Any],
+                    given: tuple[str, ...] = ()) -> list[tuple[str, str]]:
+    """What is wrong with `options` for a plug-in's signature: (option, sentence) pairs.
+
+    given: parameters that the framework fills in itself. Values are checked
+    against the annotations where the plug-in has any.
+    """
+    if hasattr(function, "inputs") and not isinstance(function, type):
+        return [(name, f"option '{name}' is not taken: this solver is an object, not a class")
+                for name in options]
+    taken = {name: p for name, p in _parameters(function).items() if name not in given}
+    if any(p.kind is Parameter.VAR_KEYWORD for p in taken.values()):
+        return []
+    mistakes = [(name, f"option '{name}' is unknown; {nearest(name, taken)}")
+                for name in options if name not in taken]
+    mistakes += [("", f"option '{name}' is needed") for name, p in taken.items()
+                 if p.default is Parameter.empty and name not in options]
+    known = {name: value for name, value in options.items() if name in taken}
+    return mistakes + _value_mistakes(function, taken, known)
+
+
+def _value_mistakes(function, taken, options) -> list[tuple[str, str]]:
+    target = function.__init__ if isinstance(function, type) else function
+    try:
+        hints = get_type_hints(target)
+        model = create_model("Options", __config__=ConfigDict(arbitrary_types_allowed=True), **{
+            name: (hints.get(name, Any), None) for name in taken if name in options})
+        model.model_validate(dict(options))
+    except ValidationError as error:
+        return [(str(item["loc"][0]), f"option '{item['loc'][0]}': {options[item['loc'][0]]!r} "
+                 f"is not accepted: {item['msg'].lower()}") for item in error.errors()]
+    except (NameError, TypeError, PydanticSchemaGenerationError):
+        return []  # annotations that cannot be read are no reason to refuse the options
+    return []
+
+
+def summary(point: EntryPoint) -> str:
+    """First line of a plug-in's docstring, or why it does not load."""
+    try:
+        return (getdoc(point.load()) or "").strip().split("\n")[0]
+    except Exception as error:
+        return f"does not load: {type(error).__name__}: {error}"

@@ -1,0 +1,126 @@
+"""YAML text with positions: which line and column each key and value stands at.
+
+Numbers and booleans follow YAML 1.2 (`1e-3` is a number; `on` and `no` are words).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from surrogate.errors import StudyError
+
+Key = str | int
+Position = tuple[int, int]
+
+
+class _Loader(yaml.SafeLoader):
+    """SafeLoader whose plain scalars are those of YAML 1.2's core schema."""
+
+
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, rule) for tag, rule in rules
+            if tag.rsplit(":", 1)[-1] not in ("float", "int", "bool", "timestamp")]
+    for first, rules in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+for _tag, _rule, _first in (
+    ("bool", r"^(?:true|True|TRUE|false|False|FALSE)$", "tTfF"),
+    ("int", r"^[-+]?[0-9]+$", "-+0123456789"),
+    ("float", r"^[-+]?(?:(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+              r"|\.(?:inf|Inf|INF))$|^\.(?:nan|NaN|NAN)$", "-+.0123456789"),
+):
+    _Loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(_rule), list(_first))
+# Octal and base-60 integers of YAML 1.1 would change 010 and 1:30 behind the reader's back.
+_Loader.add_constructor("tag:yaml.org,2002:int", lambda loader, node: int(node.value))
+
+
+@dataclass(frozen=True)
+class Source:
+    """A study's text, its data, and where each part stands.
+
+    keys, values map a path such as ("parameters", "tension", "range") to (line, column).
+    """
+
+    name: str = ""
+    text: str = ""
+    data: Any = None
+    keys: dict[tuple[Key, ...], Position] = field(default_factory=dict)
+    values: dict[tuple[Key, ...], Position] = field(default_factory=dict)
+
+    def locate(self, path: Sequence[Key], *, key: bool = False) -> Position:
+        """Position of the value (or key) at `path`, or of the nearest part around it."""
+        path = tuple(path)
+        if key and path in self.keys:
+            return self.keys[path]
+        while path and path not in self.values:
+            path = path[:-1]
+        return self.values.get(path, (1, 1))
+
+    def sentence(self, path: Sequence[Key], text: str, *, key: bool = False) -> str:
+        """`file:line:column: text`, or `path: text` for a study without a file."""
+        if not self.name:
+            return f"{'.'.join(map(str, path)) or 'study'}: {text}"
+        line, column = self.locate(path, key=key)
+        return f"{self.name}:{line}:{column}: {text}"
+
+
+def read_file(path: Path) -> Source:
+    """Source of a study file; `StudyError` when it cannot be read."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise StudyError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise StudyError(f"{path}: is not UTF-8 text") from None
+    return read_text(text, str(path))
+
+
+def read_text(text: str, name: str) -> Source:
+    """Source of YAML `text`; `StudyError` with line and column when it is not YAML."""
+    try:
+        loader = _Loader(text)
+        try:
+            node = loader.get_single_node()
+            source = Source(name, text, None)
+            mistakes = _mark(node, (), source) if node is not None else []
+            if mistakes:
+                raise StudyError(*mistakes)
+            data = loader.construct_document(node) if node is not None else None
+        finally:
+            loader.dispose()
+    except yaml.YAMLError as error:
+        raise StudyError(_yaml_sentence(error, name)) from None
+    return Source(name, text, data, source.keys, source.values)
+
+
+def _yaml_sentence(error: yaml.YAMLError, name: str) -> str:
+    mark = getattr(error, "problem_mark", None)
+    problem = getattr(error, "problem", None) or str(error).splitlines()[0]
+    place = f"{name}:{mark.line + 1}:{mark.column + 1}" if mark else name
+    hint = "; indent with spaces" if "\\t" in problem else ""
+    return f"{place}: this is not YAML: {problem}{hint}"
+
+
+def _mark(node: yaml.Node, path: tuple[Key, ...], source: Source) -> list[str]:
+    """Fill in positions below `node`; returns a sentence for each key that stands twice."""
+    source.values[path] = (node.start_mark.line + 1, node.start_mark.column + 1)
+    mistakes: list[str] = []
+    if isinstance(node, yaml.SequenceNode):
+        for index, item in enumerate(node.value):
+            mistakes += _mark(item, (*path, index), source)
+    elif isinstance(node, yaml.MappingNode):
+        for key, item in node.value:
+            here = (*path, str(key.value))
+            position = (key.start_mark.line + 1, key.start_mark.column + 1)
+            if here in source.keys:
+                first = source.keys[here][0]
+                mistakes.append(f"{source.name}:{position[0]}:{position[1]}: "
+                                f"'{key.value}' stands twice (first in line {first}); keep one")
+            source.keys[here] = position
+            mistakes += _mark(item, here, source)
+    return mistakes

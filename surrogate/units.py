@@ -1,0 +1,88 @@
+"""Units by pint: the straight line from one unit to another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import pint
+
+from surrogate.errors import StudyError
+
+_REGISTRY = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """y = slope * x + offset, from one unit to another."""
+
+    slope: float
+    offset: float
+
+    def place(self, x: float) -> float:
+        """A value on the scale, such as a temperature."""
+        return self.slope * x + self.offset if self.offset else self.slope * x
+
+    def distance(self, x: float) -> float:
+        """A difference of values, such as a standard deviation."""
+        return self.slope * x
+
+
+IDENTITY = Conversion(1.0, 0.0)
+
+
+def known(unit: str) -> bool:
+    """True when pint can read `unit`."""
+    try:
+        _REGISTRY.parse_units(unit)
+    except (pint.errors.PintError, ValueError, TypeError, AttributeError, SyntaxError):
+        return False
+    except Exception as error:  # pint lets errors of Python's tokenizer through
+        if type(error).__name__ in ("TokenError", "DefinitionSyntaxError"):
+            return False
+        raise
+    return True
+
+
+@lru_cache(maxsize=256)
+def conversion(unit: str, target: str) -> Conversion:
+    """How values in `unit` become values in `target`; raises `StudyError` when they cannot."""
+    if unit == target:
+        return IDENTITY
+    for name in (unit, target):
+        if not known(name):
+            raise StudyError(f"unit '{name}' is unknown; write it as 'mm', 'N/mm', 'kPa' ...")
+    try:
+        zero = _REGISTRY.Quantity(0.0, unit).to(target).magnitude
+        one = _REGISTRY.Quantity(1.0, unit).to(target).magnitude
+    except pint.errors.PintError:
+        raise StudyError(f"unit '{unit}' does not convert to {_named(target)}") from None
+    return Conversion(one - zero, zero)
+
+
+def _named(unit: str) -> str:
+    return f"'{unit}', the solver's unit" if unit else "a number without unit, as the solver has it"
+
+
+def seconds(text: str | float) -> float:
+    """Seconds of a duration such as '30 min', '2 h' or a number of seconds."""
+    if isinstance(text, (int, float)) and not isinstance(text, bool):
+        return float(text)
+    try:
+        return float(_REGISTRY.Quantity(text).to("s").magnitude)
+    except Exception:
+        raise StudyError(f"duration '{text}' is not understood; "
+                         "write '30 s', '30 min' or '2 h'") from None
+
+
+def quantity(text: str, target: str) -> float:
+    """Number in `target` units of a text such as '98', '98 N/m' or '1e-3'.
+
+    A bare number is taken to be in `target` units already.
+    """
+    head, _, unit = str(text).strip().partition(" ")
+    try:
+        value = float(head)
+    except ValueError:
+        raise StudyError(f"'{text}' is not a number; write 0.098 or '98 N/m'") from None
+    return conversion(unit.strip() or target, target).place(value)
