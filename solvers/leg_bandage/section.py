@@ -46,9 +46,10 @@ def curvature(coefficients: np.ndarray, theta: np.ndarray) -> np.ndarray:
 
 def girth(coefficients: np.ndarray, angles: int = 96) -> np.ndarray:
     """Length of the section, mm, by the trapezoidal rule (exact to 1e-9 for legs)."""
-    theta = 2 * np.pi * np.arange(angles) / angles
-    speed = np.abs(curve(coefficients[..., None, :], theta, 1))
-    return 2 * np.pi * speed.mean(axis=-1)
+    orders = ORDERS + 1
+    phases = np.exp(2j * np.pi * np.outer(orders, np.arange(angles)) / angles)
+    velocity = complex_series(coefficients) @ (1j * orders[:, None] * phases)
+    return 2 * np.pi * np.abs(velocity).mean(axis=-1)
 
 
 def fit_series(theta: np.ndarray, values: np.ndarray) -> np.ndarray:

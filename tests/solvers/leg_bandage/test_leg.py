@@ -32,6 +32,15 @@ def test_cylinder():
     np.testing.assert_allclose(leg.girth(np.array([0.0, 77.0])), 2 * np.pi * 45, rtol=1e-12)
 
 
+def test_limacon():
+    """r = a + b cos t: curvature (a^2 + 2 b^2 + 3 a b cos t) / (a^2 + b^2 + 2 a b cos t)^1.5."""
+    a, b, t = 45.0, 12.0, np.linspace(0, 2 * np.pi, 37)
+    leg = leg_of(lambda theta, z: a + b * np.cos(theta))
+    exact = (a**2 + 2 * b**2 + 3 * a * b * np.cos(t)) / (
+        a**2 + b**2 + 2 * a * b * np.cos(t)) ** 1.5
+    np.testing.assert_allclose(leg.curvature(t, 60.0), exact, rtol=1e-10)
+
+
 def test_nearly_circular_ellipse():
     """Ellipse 46 x 44: curvature a b / (a^2 sin^2 t + b^2 cos^2 t)^1.5, girth 4 a E(e)."""
     a, b = 46.0, 44.0
