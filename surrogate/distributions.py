@@ -124,32 +124,26 @@ def distribution(name: str, *, range: Range = UNBOUNDED, **words: float) -> Dist
     return Distribution(base, support, tuple(described.items()))
 
 
-def _base(name: str, range: Range, words: Mapping[str, float]) -> tuple[Any, dict[str, float]]:
-    """Frozen scipy distribution before truncation, and its words."""
-    known = {"uniform": _uniform, "normal": _normal,
-             "lognormal": _lognormal, "triangular": _triangular}
-    if name in known:
-        builder = known[name]
-        accepted = [key for key in inspect.signature(builder).parameters if key != "range"]
-        _check_words(name, words, accepted, required=accepted)
-        return builder(range, **words), dict(words)
+def words_of(name: str) -> tuple[list[str], list[str]]:
+    """Words that distribution `name` takes (besides `range`), and those that it needs."""
+    if name in _NAMED:
+        words = [key for key in inspect.signature(_NAMED[name]).parameters if key != "range"]
+        return words, words
     family = getattr(stats, name, None)
     if not isinstance(family, stats.rv_continuous):
         continuous = [key for key in dir(stats)
                       if isinstance(getattr(stats, key), stats.rv_continuous)]
-        close = nearest(name, [*known, *continuous]).split("?")[0]
+        close = nearest(name, [*_NAMED, *continuous]).split("?")[0]
         hint = f"{close}? " if close.startswith("did") else ""
         raise StudyError(f"distribution '{name}' is unknown; {hint}"
-                         f"Use {', '.join(known)} or a continuous scipy.stats name")
+                         f"Use {', '.join(_NAMED)} or a continuous scipy.stats name")
     shapes = [shape.strip() for shape in (family.shapes or "").split(",") if shape.strip()]
-    _check_words(name, words, [*shapes, "loc", "scale"], required=shapes)
-    frozen = family(**words)
-    if not np.isfinite(frozen.ppf(0.5)):
-        raise StudyError(f"{name}({words}) is not a distribution; check its shape words")
-    return frozen, dict(words)
+    return [*shapes, "loc", "scale"], shapes
 
 
-def _check_words(name, words, accepted, required) -> None:
+def _base(name: str, range: Range, words: Mapping[str, float]) -> tuple[Any, dict[str, float]]:
+    """Frozen scipy distribution before truncation, and its words."""
+    accepted, required = words_of(name)
     mistakes = [f"distribution {name} does not take '{word}'; {nearest(word, accepted)}"
                 for word in words if word not in accepted]
     mistakes += [f"distribution {name} needs '{word}'" for word in required if word not in words]
@@ -157,6 +151,12 @@ def _check_words(name, words, accepted, required) -> None:
                  for word in SCALE_WORDS if word in words and not words[word] > 0]
     if mistakes:
         raise StudyError(*mistakes)
+    if name in _NAMED:
+        return _NAMED[name](range, **words), dict(words)
+    frozen = getattr(stats, name)(**words)
+    if not np.isfinite(frozen.ppf(0.5)):
+        raise StudyError(f"{name}({words}) is not a distribution; check its shape words")
+    return frozen, dict(words)
 
 
 def _finite(name: str, range: Range) -> Range:
@@ -187,3 +187,7 @@ def _triangular(range, mode):
     if not lower <= mode <= upper:
         raise StudyError(f"mode: {mode:g} lies outside range [{lower:g}, {upper:g}]")
     return stats.triang((mode - lower) / (upper - lower), lower, upper - lower)
+
+
+_NAMED = {"uniform": _uniform, "normal": _normal, "lognormal": _lognormal,
+          "triangular": _triangular}

@@ -11,7 +11,6 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint, entry_points
 from inspect import Parameter, getdoc, signature
@@ -46,8 +45,8 @@ def load(group: str, name: str, folder: Path | None = None) -> Any:
     if name in installed:
         return _load(name, installed[name].load)
     if ":" in name:
-        with _importing_from(folder):
-            return _load(name, lambda: _resolve(name))
+        _make_importable(folder)
+        return _load(name, lambda: _resolve(name))
     kind = group.rsplit(".", 1)[-1]
     raise PluginError(f"'{name}' is not one of the {kind}; {nearest(name, installed)}; "
                       "or write module:object")
@@ -69,16 +68,11 @@ def _load(name: str, loader) -> Any:
         raise PluginError(f"'{name}' does not load: {type(error).__name__}: {error}") from error
 
 
-@contextmanager
-def _importing_from(folder: Path | None):
-    """Let modules beside the study, and in the current folder, be imported."""
-    added = [str(place) for place in (folder, Path.cwd()) if place is not None]
-    sys.path[:0] = added
-    try:
-        yield
-    finally:
-        for place in added:
-            sys.path.remove(place)
+def _make_importable(folder: Path | None) -> None:
+    """Let modules beside the study, and in the current folder, be imported, as scripts can."""
+    for place in (folder, Path.cwd()):
+        if place is not None and str(place) not in sys.path:
+            sys.path.append(str(place))
 
 
 @dataclass(frozen=True)
@@ -105,15 +99,15 @@ class SolverRecipe:
         if hasattr(found, "inputs") and not isinstance(found, type):
             return found
         extra = {"folder": self.folder} if _takes_folder(found) else {}
-        with _importing_from(self.folder):
-            return found(**self.options, **extra)
+        return found(**self.options, **extra)
 
 
 def _takes_folder(factory: Any) -> bool:
-    return "folder" in _parameters(factory)
+    return "folder" in parameters_of(factory)
 
 
-def _parameters(function: Any) -> dict[str, Parameter]:
+def parameters_of(function: Any) -> dict[str, Parameter]:
+    """Parameters of a callable by name; empty when it does not tell."""
     try:
         return dict(signature(function).parameters)
     except (TypeError, ValueError):
@@ -130,7 +124,7 @@ def option_mistakes(function: Any, options: Mapping[str, Any],
     if hasattr(function, "inputs") and not isinstance(function, type):
         return [(name, f"option '{name}' is not taken: this solver is an object, not a class")
                 for name in options]
-    taken = {name: p for name, p in _parameters(function).items() if name not in given}
+    taken = {name: p for name, p in parameters_of(function).items() if name not in given}
     if any(p.kind is Parameter.VAR_KEYWORD for p in taken.values()):
         return []
     mistakes = [(name, f"option '{name}' is unknown; {nearest(name, taken)}")

@@ -1,0 +1,380 @@
+"""From the words of a study to the objects they name; every mistake at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surrogate import distributions, plugins, runs, studyfile, units
+from surrogate.designs import Design
+from surrogate.errors import DesignError, PluginError, StudyError, nearest
+from surrogate.fitting import minimum_runs
+from surrogate.plugins import SolverRecipe
+from surrogate.solver import Input, Solver
+from surrogate.source import Source
+from surrogate.space import Parameter, Space
+from surrogate.studyfile import DesignPart, ParameterPart, StudyPart, SurrogatePart
+
+#: Parameters of plug-ins that the framework fills in; they are not options.
+GIVEN_TO_SOLVERS = ("self", "folder")
+GIVEN_TO_DESIGNS = ("space", "coded", "folder")
+GIVEN_TO_REGRESSORS = ("space",)
+GIVEN_TO_SENSITIVITY = ("fit", "space", "confidence")
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """One entry of `surrogates:`: an unfitted estimator and the designs it learns from."""
+
+    name: str
+    method: str
+    estimator: Any
+    train: tuple[str, ...] = ("train",)
+
+
+@dataclass(frozen=True)
+class SensitivityMethod:
+    """The entry `sensitivity:`: a function, its options, and the surrogate it reads."""
+
+    name: str
+    function: Any
+    options: Mapping[str, Any]
+    surrogate: str = "best"
+    confidence: float = 0.95
+
+
+@dataclass
+class Reading:
+    """What has been understood of a study so far, and the mistakes found on the way."""
+
+    part: StudyPart
+    folder: Path | None
+    broken: set[studyfile.Path]
+    mistakes: list[studyfile.Mistake] = field(default_factory=list)
+
+    def wrong(self, sentence: str, *path: str | int, on_key: bool = False) -> None:
+        """Note a mistake in the part of the study at `path`."""
+        self.mistakes.append(studyfile.Mistake(path, sentence, on_key))
+
+    @contextmanager
+    def noting(self, *path: str | int, on_key: bool = False) -> Iterator[None]:
+        """Turn errors of the block into mistakes at `path`."""
+        try:
+            yield
+        except StudyError as error:
+            for sentence in error.mistakes:
+                self.wrong(sentence, *path, on_key=on_key)
+        except (PluginError, DesignError) as error:
+            self.wrong(str(error), *path, on_key=on_key)
+
+    def is_broken(self, *path: str) -> bool:
+        """True when the part at `path` was left out because of a mistake of shape."""
+        return any(path[:n] in self.broken for n in range(1, len(path) + 1))
+
+
+def solver_of(reading: Reading) -> tuple[SolverRecipe, Solver | None]:
+    """The study's solver, built once here to learn its inputs and outputs."""
+    part = reading.part.solver
+    recipe = SolverRecipe(part.name, part.options, reading.folder)
+    if reading.is_broken("solver"):
+        return recipe, None
+    with reading.noting("solver", "name"):
+        found = plugins.load(plugins.SOLVERS, part.name, reading.folder) \
+            if isinstance(part.name, str) else part.name
+        mistakes = plugins.option_mistakes(found, part.options, GIVEN_TO_SOLVERS)
+        for option, sentence in mistakes:
+            reading.wrong(sentence, "solver", "options", *filter(None, [option]),
+                          on_key="unknown" in sentence)
+        if mistakes:
+            return recipe, None
+        return recipe, _built(recipe, reading)
+    return recipe, None
+
+
+def _built(recipe: SolverRecipe, reading: Reading) -> Solver | None:
+    with reading.noting("solver", "options"):
+        try:
+            solver = recipe()
+        except (StudyError, PluginError):
+            raise
+        except Exception as error:
+            raise PluginError(f"solver '{recipe.label}' cannot be built: "
+                              f"{type(error).__name__}: {error}") from error
+        if isinstance(solver, Solver):
+            return solver
+        lacking = [name for name in ("inputs", "outputs", "version") if not hasattr(solver, name)]
+        reading.wrong(f"'{recipe.label}' is not a solver: it has no "
+                      f"{', '.join(lacking) or '__call__'}", "solver", "name")
+    return None
+
+
+def space_of(reading: Reading, solver: Solver) -> Space | None:
+    """Parameters with their ranges in the solver's units, and their correlation."""
+    parameters = []
+    for name, part in reading.part.parameters.items():
+        if name not in solver.inputs:
+            reading.wrong(f"the solver has no input '{name}'; {nearest(name, solver.inputs)}",
+                          "parameters", name, on_key=True)
+            continue
+        with reading.noting("parameters", name):
+            parameters.append(_parameter(name, part, solver.inputs[name]))
+    declared = len(reading.part.parameters)
+    if not declared and not reading.is_broken("parameters") and \
+            not any(path[0] == "parameters" for path in reading.broken):
+        reading.wrong("name at least one parameter that varies", "parameters")
+    if len(parameters) < declared or not parameters:
+        return None
+    with reading.noting("correlation"):
+        return Space(tuple(parameters), _correlation(reading, [p.name for p in parameters]))
+    return None
+
+
+def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
+    if part.levels or taken.levels:
+        return _categorical(name, part, taken)
+    unit = taken.unit if part.unit is None else part.unit
+    convert = units.conversion(unit, taken.unit)
+    kind = part.distribution or "uniform"
+    accepted = [*distributions.words_of(kind)[0], *ParameterPart.model_fields]
+    mistakes = [f"key '{word}' is unknown here; {nearest(word, accepted)}"
+                for word in part.options if word not in accepted]
+    mistakes += [f"{word} {value!r}: must be a number" for word, value in part.options.items()
+                 if word in accepted and (isinstance(value, bool)
+                                          or not isinstance(value, int | float))]
+    if part.range is None and part.distribution is None and not mistakes:
+        mistakes.append("give a range [smallest, largest] or a distribution")
+    if mistakes:
+        raise StudyError(*mistakes)
+    words = {word: (convert.place if word in distributions.LOCATION_WORDS else
+                    convert.distance if word in distributions.SCALE_WORDS else float)(value)
+             for word, value in part.options.items()}
+    limits = distributions.UNBOUNDED if part.range is None else \
+        tuple(convert.place(value) for value in part.range)
+    law = distributions.distribution(kind, range=limits, **words)
+    _check_accepted(law.support, taken)
+    return Parameter(name, law, unit=taken.unit, description=taken.description)
+
+
+def _check_accepted(support: tuple[float, float], taken: Input) -> None:
+    """Refuse a support that reaches beyond what the solver accepts."""
+    mistakes = []
+    for value, limit, over in ((support[0], taken.range[0], support[0] < taken.range[0]),
+                               (support[1], taken.range[1], support[1] > taken.range[1])):
+        if not over:
+            continue
+        word = "smallest" if limit == taken.range[0] else "largest"
+        side = "below" if word == "smallest" else "above"
+        if np.isfinite(value):
+            mistakes.append(f"{value:g} {taken.unit} is {side} the {word} value the solver "
+                            f"accepts ({limit:g} {taken.unit}); check the range and the unit")
+        else:
+            mistakes.append(f"this distribution has no {word} value, but the solver accepts "
+                            f"none {side} {limit:g} {taken.unit}; add range: [.., ..]")
+    if mistakes:
+        raise StudyError(*mistakes)
+
+
+def _categorical(name: str, part: ParameterPart, taken: Input) -> Parameter:
+    if not taken.levels:
+        raise StudyError(f"levels are for named choices, but the solver takes a number "
+                         f"({taken.unit or 'no unit'}) here; give a range")
+    if not part.levels:
+        raise StudyError(f"the solver takes names here; give levels: [{', '.join(taken.levels)}]")
+    unknown = [level for level in part.levels if level not in taken.levels]
+    if unknown:
+        raise StudyError(*(f"level '{level}' is unknown; {nearest(level, taken.levels)}"
+                           for level in unknown))
+    return Parameter(name, levels=part.levels, description=taken.description)
+
+
+def _correlation(reading: Reading, names: list[str]):
+    if not reading.part.correlation:
+        return None
+    matrix = np.eye(len(names))
+    for index, (first, second, value) in enumerate(reading.part.correlation):
+        unknown = [name for name in (first, second) if name not in names]
+        for name in unknown:
+            reading.wrong(f"'{name}' is not a parameter of this study; {nearest(name, names)}",
+                          "correlation", index)
+        if not unknown:
+            i, j = names.index(first), names.index(second)
+            matrix[i, j] = matrix[j, i] = value
+    return tuple(map(tuple, matrix.tolist()))
+
+
+def constants_of(reading: Reading, solver: Solver) -> dict[str, float | str]:
+    """Fixed values of inputs, in the solver's units; nominal values are not repeated here."""
+    constants = {}
+    for name, part in reading.part.constants.items():
+        if name not in solver.inputs:
+            reading.wrong(f"the solver has no input '{name}'; {nearest(name, solver.inputs)}",
+                          "constants", name, on_key=True)
+        elif name in reading.part.parameters:
+            reading.wrong(f"'{name}' is also a parameter; it either varies or is fixed",
+                          "constants", name, on_key=True)
+        else:
+            with reading.noting("constants", name):
+                constants[name] = _constant(part, solver.inputs[name])
+    given = {*reading.part.parameters, *reading.part.constants,
+             *(path[1] for path in reading.broken if len(path) > 1)}
+    for name, taken in solver.inputs.items():
+        if taken.nominal is None and name not in given:
+            reading.wrong(f"the solver needs '{name}' and has no nominal value for it; "
+                          "add it to parameters or constants", "constants", on_key=True)
+    return constants
+
+
+def _constant(part: studyfile.ConstantPart, taken: Input) -> float | str:
+    if taken.levels:
+        if part.value not in taken.levels:
+            raise StudyError(f"level '{part.value}' is unknown; "
+                             f"{nearest(str(part.value), taken.levels)}")
+        return part.value
+    if isinstance(part.value, str):
+        value = units.quantity(part.value, taken.unit)
+    else:
+        unit = taken.unit if part.unit is None else part.unit
+        value = units.conversion(unit, taken.unit).place(part.value)
+    _check_accepted((value, value), taken)
+    return value
+
+
+def outputs_of(reading: Reading, solver: Solver) -> tuple[str, ...]:
+    """Names of the outputs that are kept."""
+    names = reading.part.outputs or tuple(solver.outputs)
+    for index, name in enumerate(names):
+        if name not in solver.outputs:
+            reading.wrong(f"the solver has no output '{name}'; {nearest(name, solver.outputs)}",
+                          "outputs", index)
+    for name in (*names, *reading.part.parameters):
+        if name in runs.RESERVED_NAMES:
+            reading.wrong(f"'{name}' is a name that the runs dataset needs for itself; "
+                          "rename it in the solver", "outputs" if name in names else "parameters")
+    return tuple(name for name in names if name in solver.outputs)
+
+
+def designs_of(reading: Reading, space: Space) -> dict[str, Design]:
+    """Coded points of every design, augmentations included."""
+    designs = {}
+    for name, part in reading.part.designs.items():
+        design = _design(reading, space, name, part)
+        if design is not None:
+            designs[name] = design
+    if not reading.part.designs and not any(path[0] == "designs" for path in reading.broken):
+        reading.wrong("name at least one design, such as train", "designs")
+    return designs
+
+
+def _design(reading: Reading, space: Space, name: str, part: DesignPart) -> Design | None:
+    path = ("designs", name)
+    coded = _points(reading, plugins.DESIGNS, part, path, space)
+    if coded is None:
+        return None
+    added = [_points(reading, plugins.AUGMENTATIONS, more, (*path, "augment", index), space, coded)
+             for index, more in enumerate(part.augment)]
+    if any(rows is None for rows in added):
+        return None
+    return Design(name, part.method, dict(part.options), np.vstack([coded, *added]),
+                  tuple((more.method, len(rows))
+                        for more, rows in zip(part.augment, added, strict=True)))
+
+
+def _points(reading, group, part, path, space, *coded) -> np.ndarray | None:
+    """Points of one method; None when the study asks for it wrongly."""
+    with reading.noting(*path, "method"):
+        function = plugins.load(group, part.method, reading.folder)
+        mistakes = plugins.option_mistakes(function, part.options, GIVEN_TO_DESIGNS)
+        for option, sentence in mistakes:
+            reading.wrong(sentence, *path, *filter(None, [option]), on_key="unknown" in sentence)
+        if mistakes:
+            return None
+        taken = plugins.parameters_of(function)
+        given = {"folder": reading.folder} if "folder" in taken else {}
+        if "seed" in taken:
+            given["seed"] = part.options.get("seed", 0)
+        return np.asarray(function(space, *coded, **{**part.options, **given}), dtype=float)
+    return None
+
+
+def surrogates_of(reading: Reading, designs: Mapping[str, Design],
+                  space: Space) -> dict[str, Surrogate]:
+    """Unfitted estimators by name, each with the designs it learns from."""
+    surrogates = {}
+    for name, part in reading.part.surrogates.items():
+        found = _surrogate(reading, name, part)
+        if found is not None:
+            surrogates[name] = found
+            _check_training(reading, found, designs, space)
+    return surrogates
+
+
+def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | None:
+    path = ("surrogates", name)
+    with reading.noting(*path, "method"):
+        factory = plugins.load(plugins.REGRESSORS, part.method, reading.folder)
+        mistakes = plugins.option_mistakes(factory, part.options, GIVEN_TO_REGRESSORS)
+        for option, sentence in mistakes:
+            reading.wrong(sentence, *path, "options", *filter(None, [option]),
+                          on_key="unknown" in sentence)
+        if mistakes:
+            return None
+        estimator = factory(**part.options)
+        if not (hasattr(estimator, "fit") and hasattr(estimator, "predict")):
+            raise StudyError(f"'{part.method}' is not a regressor: it has no fit and predict")
+        if estimator.get_params().get("random_state", 0) is None:
+            estimator.set_params(random_state=0)
+        return Surrogate(name, part.method, estimator, part.train)
+    return None
+
+
+def _check_training(reading, surrogate: Surrogate, designs, space: Space) -> None:
+    path = ("surrogates", surrogate.name)
+    for name in surrogate.train:
+        if name not in designs and not reading.is_broken("designs", name) \
+                and name not in reading.part.designs:
+            reading.wrong(f"learns from design '{name}', which the study has not; "
+                          f"{nearest(name, reading.part.designs)}", *path, "train")
+    if any(name not in designs for name in surrogate.train):
+        return
+    points = np.unique(np.vstack([designs[name].coded for name in surrogate.train]), axis=0)
+    needed = minimum_runs(surrogate.estimator, space.size)
+    if len(points) < needed:
+        reading.wrong(f"{surrogate.method} has {needed} coefficients to find in {space.size} "
+                      f"parameters, but {', '.join(surrogate.train)} has {len(points)} different "
+                      "points; use a larger design or a smaller surrogate", *path, on_key=True)
+
+
+def sensitivity_of(reading: Reading) -> SensitivityMethod | None:
+    """The sensitivity method with its options."""
+    part = reading.part.sensitivity
+    if part is None:
+        if reading.part.screening is not None and not reading.is_broken("sensitivity"):
+            reading.wrong("screening needs sensitivity: {method: sobol}", "screening", on_key=True)
+        return None
+    names = ["best", *reading.part.surrogates]
+    if not reading.part.surrogates and not any(p[0] == "surrogates" for p in reading.broken):
+        reading.wrong("sensitivity reads a surrogate, but the study has none; add surrogates:",
+                      "sensitivity", on_key=True)
+    elif part.surrogate not in names and not reading.is_broken("surrogates", part.surrogate):
+        reading.wrong(f"surrogate '{part.surrogate}' is unknown; {nearest(part.surrogate, names)}",
+                      "sensitivity", "surrogate")
+    with reading.noting("sensitivity", "method"):
+        function = plugins.load(plugins.SENSITIVITY, part.method, reading.folder)
+        for option, sentence in plugins.option_mistakes(function, part.options,
+                                                        GIVEN_TO_SENSITIVITY):
+            reading.wrong(sentence, "sensitivity", *filter(None, [option]), on_key=True)
+        return SensitivityMethod(part.method, function, part.options,
+                                 part.surrogate, part.confidence)
+    return None
+
+
+def sentences(source: Source, mistakes: list[studyfile.Mistake]) -> list[str]:
+    """Every mistake as `file:line:column: sentence`, in the order of the file, each once."""
+    ordered = sorted(mistakes, key=lambda m: source.locate(m.path, key=m.on_key))
+    return list(dict.fromkeys(source.sentence(m.path, m.sentence, key=m.on_key)
+                              for m in ordered))
