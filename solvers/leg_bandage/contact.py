@@ -1,0 +1,304 @@
+"""Contact of points of the bandage with a smooth surface: residual and full tangent.
+
+A point x = sum_a R_a x_a of the bandage is projected onto y(xi). With d = x - y and
+n the surface normal, g = d . n - offset is the gap. The traction on the bandage is
+F = p n + t; virtual work A F . (dx - dy). Linearised with the motion of the projection,
+the curvature of the surface and the turning of the normal (Wriggers 2006, ch. 4 and 5;
+Konyukhov and Schweizerhof 2013 for the covariant form) ::
+
+    (a - d . y_ab) dxi = y_a . (dx - dy) + d . dy_a          a = metric
+
+so that everything is a 9 x 9 matrix on (dx - dy, dy_1, dy_2) at each point. Slip is
+measured from an anchor in the surface's own convected coordinates. Areas are those of
+the laid bandage: pressures are per laid area (see `outputs` for the true ones).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.surfaces import gather
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points of the bandage that may touch: nodes (n, k), weights (n, k), area (n,) mm2.
+
+    `tied` (n,) marks the points that always stick and never open.
+    """
+
+    nodes: np.ndarray
+    weights: np.ndarray
+    area: np.ndarray
+    tied: np.ndarray
+
+    def at(self, x):
+        """Positions (n, 3) for nodal positions x (nodes, 3)."""
+        return np.einsum("pk,pkc->pc", self.weights, x[self.nodes])
+
+
+def project(surface, points, x, xi, tolerance=1e-11, iterations=30):
+    """Closest-point parameters (n, 2) of points (n, 3), by Newton from xi.
+
+    A step is limited to one cell; `residual` of the caller tells when it did not close.
+    """
+    xi = xi.copy()
+    for _ in range(iterations):
+        jet = surface.at(xi, x)
+        d = points - jet[:, 0]
+        step = solve2(_metric(jet, d), np.einsum("pc,pac->pa", d, jet[:, 1:3]))
+        step = np.clip(step, -1.0, 1.0)
+        xi += step
+        if np.abs(step).max(initial=0.0) < tolerance:
+            break
+    return xi
+
+
+def _metric(jet, d):
+    """a - d . y_ab, (n, 2, 2)."""
+    metric = np.einsum("pac,pbc->pab", jet[:, 1:3], jet[:, 1:3])
+    bend = np.einsum("pc,pkc->pk", d, jet[:, 3:])
+    metric[:, 0, 0] -= bend[:, 0]
+    metric[:, 1, 1] -= bend[:, 1]
+    metric[:, 0, 1] -= bend[:, 2]
+    metric[:, 1, 0] -= bend[:, 2]
+    return metric
+
+
+def solve2(matrix, rhs):
+    """Solutions (n, 2[, m]) of 2 x 2 systems (n, 2, 2), by Cramer's rule."""
+    (a, b), (c, d) = matrix.transpose(1, 2, 0)
+    det = a * d - b * c
+    inverse = np.stack([d, -b, -c, a]).reshape(2, 2, -1) / det
+    return np.einsum("abp,pb...->pa...", inverse, rhs)
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """Projection and anchor in surface parameters (n, 2), and whether all is held."""
+
+    xi: np.ndarray
+    anchor: np.ndarray
+    held: bool = True
+
+
+class Contact:
+    """Points against one surface, as a mechanical part with a fixed pattern.
+
+    X (nodes, 3) are the positions at zero displacement (kept by reference); `offset`
+    (n,) is the distance at which the gap is zero. `margin` in cells is how far a
+    projection may wander into a neighbouring cell before the pattern has to grow.
+    """
+
+    def __init__(self, points: Points, surface, X, xi, offset, law: ContactLaw, margin=0.2):
+        self.points, self.surface, self.X, self.law = points, surface, X, law
+        self.offset = np.asarray(offset, float)
+        self.margin = margin
+        self.weight = np.ones(len(points.area))
+        self.current = ContactState(xi.copy(), xi.copy())
+        self.cells = surface.cell(xi)
+        self.rebuild()
+
+    # -- the Part protocol -------------------------------------------------------------
+
+    def state(self):
+        """What `restore` takes back."""
+        return self.current
+
+    def restore(self, state):
+        """Take back the projection, the anchors and the mode of an earlier state."""
+        self.current = state
+
+    def advance(self, du):
+        """Nothing internal follows a Newton increment."""
+
+    def linearise(self, u):
+        """Residual (ndof,) and values (nnz,) of the tangent at displacements u (ndof,)."""
+        x = self.X + u.reshape(-1, 3)
+        k = self._kinematics(x)
+        force, tangent = self._traction(k)
+        nodes, weights = self._operators(k)
+        residual = np.zeros(u.size)
+        for c in range(3):
+            share = -weights[:, 0] * (force[:, c] * self._area)[:, None]
+            residual[c::3] = np.bincount(
+                nodes.ravel(), share.ravel(), minlength=u.size // 3
+            )
+        return residual, self._assemble(k["xi"], weights, tangent)
+
+    # -- load steps --------------------------------------------------------------------
+
+    def hold(self, held):
+        """Make every point bilateral and sticking, or let Coulomb's law act."""
+        self.current = replace(self.current, held=held)
+
+    def accept(self, u):
+        """End of a load step: slip beyond the elastic slip moves the anchors.
+
+        Returns the energy dissipated in this step, N mm; it is never negative.
+        """
+        k = self._kinematics(self.X + u.reshape(-1, 3))
+        stuck = self._held(self.current.held)
+        keep = np.where(stuck, 1.0, self.law.kept(k["slip_size"]))
+        keep = np.where((k["p"] > 0) | stuck, keep, 0.0)
+        lost = self.law.mu * k["p"] * k["slip_size"] * (1 - keep) * self._area
+        anchor = k["xi"] - keep[:, None] * (k["xi"] - self.current.anchor)
+        self.current = replace(self.current, xi=k["xi"], anchor=anchor)
+        return float(lost[~stuck].sum())
+
+    def report(self, u):
+        """Gap, pressure per laid area, traction (n, 3), slip, normal and parameters now."""
+        k = self._kinematics(self.X + u.reshape(-1, 3))
+        force, _ = self._traction(k)
+        names = ("gap", "p", "slip_size", "normal", "xi")
+        return {name: k[name] for name in names} | {"traction": force}
+
+    # -- mechanics ---------------------------------------------------------------------
+
+    def _held(self, held):
+        return self.points.tied | held
+
+    @property
+    def _area(self):
+        return self.points.area * self.weight
+
+    def _kinematics(self, x):
+        points = self.points.at(x)
+        xi = project(self.surface, points, x, self.current.xi)
+        jet = self.surface.at(xi, x)
+        d = points - jet[:, 0]
+        normal = np.cross(jet[:, 1], jet[:, 2])
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
+        gap = np.einsum("pc,pc->p", d, normal) - self.offset
+        held = self._held(self.current.held)
+        p, slope = self.law.pressure(gap, held)
+        shift = xi - self.current.anchor
+        slip = np.einsum("pac,pa->pc", jet[:, 1:3], shift)
+        return {
+            "xi": xi, "jet": jet, "d": d, "normal": normal, "gap": gap, "held": held,
+            "p": p, "slope": slope, "shift": shift, "slip": slip,
+            "slip_size": np.linalg.norm(slip, axis=1),
+        }  # fmt: skip
+
+    def _traction(self, k):
+        """Traction F (n, 3) on the bandage and the 9 x 9 tangent of its virtual work."""
+        jet, n, d, p, s = k["jet"], k["normal"], k["d"], k["p"], k["slip"]
+        held, size, count = k["held"], k["slip_size"], len(n)
+        # rows of dxi: (n, 2, 9) on (dx - dy, dy_1, dy_2)
+        rhs = np.zeros((count, 2, 9))
+        rhs[:, :, :3] = jet[:, 1:3]
+        rhs[:, 0, 3:6] = rhs[:, 1, 6:9] = d
+        dxi = solve2(_metric(jet, d), rhs)
+        # total change of both tangent vectors: (n, 2, 3, 9)
+        dy = np.zeros((count, 2, 3, 9))
+        for a, (one, two) in enumerate(((3, 5), (5, 4))):
+            dy[:, a] = np.einsum("pc,pj->pcj", jet[:, one], dxi[:, 0])
+            dy[:, a] += np.einsum("pc,pj->pcj", jet[:, two], dxi[:, 1])
+            dy[:, a, [0, 1, 2], [3 + 3 * a, 4 + 3 * a, 5 + 3 * a]] += 1.0
+        metric = np.einsum("pac,pbc->pab", jet[:, 1:3], jet[:, 1:3])
+        dual = solve2(metric, jet[:, 1:3])
+        dn = -np.einsum("pac,pe,paej->pcj", dual, n, dy, optimize=True)
+        dp = np.zeros((count, 9))
+        dp[:, :3] = k["slope"][:, None] * n
+        ds = np.einsum("pa,pacj->pcj", k["shift"], dy)
+        ds += np.einsum("pac,paj->pcj", jet[:, 1:3], dxi)
+
+        psi, bend = self.law.drag(size)
+        grip = np.where(held, self.law.penalty, self.law.mu * p * psi)
+        loosen = np.where(held, 0.0, self.law.mu * p * bend / np.maximum(size, 1e-30))
+        force = p[:, None] * n - grip[:, None] * s
+        mu_psi = np.where(held, 0.0, self.law.mu * psi)
+        dF = np.einsum("pc,pj->pcj", n - mu_psi[:, None] * s, dp)
+        dF += p[:, None, None] * dn - grip[:, None, None] * ds
+        along = np.einsum("pc,pcj->pj", s, ds)
+        dF -= np.einsum("p,pc,pj->pcj", loosen, s, along)
+
+        tangent = np.zeros((count, 9, 9))
+        tangent[:, :3] = -dF
+        tangent[:, 3:6] = np.einsum("pc,pj->pcj", force, dxi[:, 0])
+        tangent[:, 6:9] = np.einsum("pc,pj->pcj", force, dxi[:, 1])
+        return force, tangent * self._area[:, None, None]
+
+    def _operators(self, k):
+        """Nodes (n, m) and weights (n, 3, m) of dx - dy, dy_1, dy_2."""
+        own = self.points
+        nodes, jet = self.surface.stencil(k["xi"])
+        weights = np.zeros((len(nodes), 3, own.nodes.shape[1] + nodes.shape[1]))
+        m = own.nodes.shape[1]
+        weights[:, 0, :m] = own.weights
+        weights[:, :, m:] = jet[:3].transpose(1, 0, 2)
+        weights[:, 0, m:] *= -1.0
+        return np.hstack([own.nodes, nodes]), weights
+
+    # -- pattern -----------------------------------------------------------------------
+
+    def fits(self, u):
+        """Whether the pattern holds every projection at displacements u."""
+        x = self.X + u.reshape(-1, 3)
+        xi = project(self.surface, self.points.at(x), x, self.current.xi)
+        return self._lookup(self.surface.cell(xi))
+
+    def rebuild(self):
+        """Lay out the pattern around the present projections; rows and cols change."""
+        n = len(self.points.area)
+        xi = self.current.xi
+        corners = np.array([(0, 0), (-1, -1), (-1, 1), (1, -1), (1, 1)]) * self.margin
+        windows = [self.surface.cell(xi + shift) for shift in corners]
+        count = int(self.points.nodes.max()) + 1
+        if self.surface.cell_nodes(windows[0][:1]).size:
+            count = max(count, int(max(self.surface.cell_nodes(w).max() for w in windows)) + 1)
+        self._count = count
+        keys = []
+        for w, window in enumerate(windows):
+            new = np.ones(n, bool) if w == 0 else (window != windows[0]).any(axis=1)
+            keys.append(np.unique(self._pair_keys(new, window[new])))
+        self._keys = np.unique(np.concatenate(keys))
+        row, col = self._keys // count, self._keys % count
+        c, d = np.divmod(np.arange(9), 3)
+        self.rows = (3 * row[:, None] + c).ravel().astype(np.int32)
+        self.cols = (3 * col[:, None] + d).ravel().astype(np.int32)
+        self.cells = windows[0]
+        self._place = self._find(np.ones(n, bool), self.cells)
+
+    def _pair_keys(self, which, cells):
+        nodes = np.hstack([self.points.nodes[which], self.surface.cell_nodes(cells)])
+        return (nodes[:, :, None].astype(np.int64) * self._count + nodes[:, None, :]).ravel()
+
+    def _find(self, which, cells):
+        keys = self._pair_keys(which, cells)
+        place = np.minimum(np.searchsorted(self._keys, keys), len(self._keys) - 1)
+        if not np.array_equal(self._keys[place], keys):
+            return None
+        return place.reshape(int(which.sum()), -1)
+
+    def _lookup(self, cells):
+        """Bring the places of moved points up to date; False when the pattern is too small."""
+        moved = (cells != self.cells).any(axis=1)
+        if moved.any():
+            place = self._find(moved, cells[moved])
+            if place is None:
+                return False
+            self._place[moved] = place
+            self.cells = cells
+        return True
+
+    def _assemble(self, xi, weights, tangent):
+        if not self._lookup(self.surface.cell(xi)):
+            raise PatternLeft
+        count, size = len(self._keys), len(weights)
+        blocks = tangent.reshape(size, 3, 3, 3, 3)
+        values = np.empty((count, 9))
+        place = self._place.ravel()
+        left = np.ascontiguousarray(weights.transpose(0, 2, 1))
+        for c in range(3):
+            for d in range(3):
+                block = left @ np.ascontiguousarray(blocks[:, :, c, :, d]) @ weights
+                values[:, 3 * c + d] = np.bincount(place, block.ravel(), minlength=count)
+        return values.ravel()
+
+
+class PatternLeft(Exception):
+    """A projection left the candidate pattern: `rebuild` it and analyse again."""
