@@ -1,0 +1,30 @@
+"""YAML with positions, by the rules of YAML 1.2."""
+
+import pytest
+
+from surrogate.errors import StudyError
+from surrogate.source import read_text
+
+
+def test_numbers_and_words_follow_yaml_1_2():
+    """YAML 1.2.2, section 10.3: 1e-3 is a number; on, no, 1:30 are words; 010 is ten."""
+    data = read_text("[1e-3, on, no, 1:30, 010, .5, -2.5E+3, true, 2026-01-02]", "s").data
+    assert data == [1e-3, "on", "no", "1:30", 10, 0.5, -2500.0, True, "2026-01-02"]
+
+
+def test_positions_of_keys_and_values():
+    """Lines and columns count from one."""
+    source = read_text("study: x\nparameters:\n  a: [1, oops]\n", "s.yaml")
+    assert source.sentence(("parameters", "a", 1), "no") == "s.yaml:3:10: no"
+    assert source.sentence(("parameters", "a"), "no", key=True) == "s.yaml:3:3: no"
+    assert source.sentence(("parameters", "a", 1, "deeper"), "no") == "s.yaml:3:10: no"
+
+
+@pytest.mark.parametrize("text, words", [
+    ("a: 1\na: 2", "2:1: 'a' stands twice"), ("a: [1, 2", "this is not YAML"),
+    ("a:\n\t- 1", "indent with spaces"), ("a: !!python/object:os.system {}", "not YAML"),
+])
+def test_bad_yaml_is_a_sentence_with_its_place(text, words):
+    """Syntax errors, doubled keys and tabs."""
+    with pytest.raises(StudyError, match=words):
+        read_text(text, "s.yaml")

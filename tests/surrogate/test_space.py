@@ -1,0 +1,123 @@
+"""Parameters and spaces: coding there and back, laws, quadrature, copula."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+from surrogate.distributions import distribution, uniform
+from surrogate.errors import StudyError
+from surrogate.space import Parameter, Space
+
+LAWS = {
+    "uniform": uniform(0.059, 0.137),
+    "normal": distribution("normal", mean=5.0, std=1.0),
+    "truncated": distribution("normal", mean=5.0, std=1.0, range=(2.0, 8.0)),
+    "lognormal": distribution("lognormal", mean=2.0, std=0.5),
+    "triangular": distribution("triangular", mode=0.2, range=(0.0, 1.0)),
+    "gamma": distribution("gamma", a=2.0, scale=3.0),
+}
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_decoding_gives_back_the_physical_value(law):
+    """decode(encode(x)) = x to rounding, for values through the whole law."""
+    parameter = Parameter("x", law)
+    x = law.ppf(np.linspace(1e-4, 1.0 - 1e-4, 501))
+    np.testing.assert_allclose(parameter.decode(parameter.encode(x)), x, rtol=1e-11)
+
+
+@given(st.floats(-1.0, 1.0), st.floats(-1e6, 1e6), st.floats(1e-6, 1e6))
+def test_equation_8_there_and_back(coded, lower, width):
+    """Chassagne 2018, equation 8, inverted: rounding of the bounds is all that is lost."""
+    parameter = Parameter("x", uniform(lower, lower + width))
+    physical = float(parameter.decode(coded))
+    scale = max(abs(lower), abs(lower + width))
+    assert physical == pytest.approx(lower + (coded + 1.0) / 2.0 * width, abs=4e-16 * scale)
+
+
+def test_equation_8_on_table_2():
+    """Table II: tension 0.059..0.137 N/mm has centre 0.098 and its ends at -1 and 1."""
+    parameter = Parameter("tension", LAWS["uniform"])
+    np.testing.assert_array_equal(parameter.decode([-1.0, 1.0]), [0.059, 0.137])
+    np.testing.assert_allclose(parameter.encode([0.059, 0.098, 0.137]), [-1, 0, 1], atol=1e-14)
+
+
+def test_unbounded_parameters_are_uniform_when_coded():
+    """Probability transform: a normal value codes to 2 Phi(z) - 1."""
+    parameter = Parameter("x", LAWS["normal"])
+    z = np.array([-3.0, -1.0, 0.0, 0.5, 3.0])
+    np.testing.assert_allclose(parameter.encode(5.0 + z), 2.0 * stats.norm.cdf(z) - 1.0,
+                               rtol=1e-14, atol=1e-16)
+
+
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_quadrature_integrates_polynomials_of_the_coded_value(law):
+    """A Gauss rule of order 6 gives moments to degree 11; against adaptive integration."""
+    from scipy.integrate import quad
+
+    parameter = Parameter("x", law)
+    nodes, weights = parameter.quadrature(6)
+    assert len(nodes) == 6
+    for power in range(12):
+        exact = quad(lambda u, k=power: float(parameter.quantile(u)) ** k, 0, 1,
+                     epsabs=1e-12, epsrel=1e-12, limit=400)[0]
+        assert (weights * nodes**power).sum() == pytest.approx(exact, abs=2e-9)
+
+
+def test_truncated_normal_is_scipy_truncnorm():
+    """The truncated law against scipy.stats.truncnorm."""
+    law, exact = LAWS["truncated"], stats.truncnorm(-3.0, 3.0, 5.0, 1.0)
+    x = np.linspace(2.0, 8.0, 41)
+    np.testing.assert_allclose(law.cdf(x), exact.cdf(x), atol=1e-14)
+    np.testing.assert_allclose(law.pdf(x), exact.pdf(x), rtol=1e-12)
+    np.testing.assert_allclose(law.ppf([0.1, 0.5, 0.9]), exact.ppf([0.1, 0.5, 0.9]), rtol=1e-12)
+
+
+def test_lognormal_words_are_moments_of_the_quantity():
+    """mean and std are those of the quantity itself, not of its logarithm."""
+    law = LAWS["lognormal"]
+    assert law.base.mean() == pytest.approx(2.0, rel=1e-12)
+    assert law.base.std() == pytest.approx(0.5, rel=1e-12)
+
+
+def test_gaussian_copula_has_its_spearman_correlation():
+    """Spearman's rho of a Gaussian copula is 6 / pi asin(r / 2)."""
+    space = Space((Parameter("a", LAWS["uniform"]), Parameter("b", LAWS["lognormal"])),
+                  ((1.0, 0.7), (0.7, 1.0)))
+    points = space.decode(space.sample(200_000, seed=3))
+    rho = stats.spearmanr(points["a"], points["b"]).statistic
+    assert rho == pytest.approx(6.0 / np.pi * np.arcsin(0.35), abs=0.005)
+    assert stats.kstest(points["a"], stats.uniform(0.059, 0.078).cdf).pvalue > 1e-3
+
+
+def test_levels_code_evenly_and_come_back():
+    """k names lie evenly on [-1, 1]."""
+    parameter = Parameter("fabric", levels=("a", "b", "c"))
+    np.testing.assert_array_equal(parameter.encode(["c", "a", "b"]), [1.0, -1.0, 0.0])
+    assert list(parameter.decode([1.0, -1.0, 0.0])) == ["c", "a", "b"]
+    u = (np.arange(999) + 0.5) / 999
+    assert [(parameter.quantile(u) == code).sum() for code in (-1, 0, 1)] == [333] * 3
+
+
+@pytest.mark.parametrize("build, words", [
+    (lambda: uniform(3.0, 1.0), "upside down"),
+    (lambda: distribution("normal", mean=0.0, std=-1.0), "above 0"),
+    (lambda: distribution("normal", mean=0.0), "needs 'std'"),
+    (lambda: distribution("normal", mean=0.0, std=1.0, sdt=1.0), "does not take 'sdt'"),
+    (lambda: distribution("nromal", mean=0.0, std=1.0), "did you mean 'normal'"),
+    (lambda: distribution("normal", mean=0.0, std=1.0, range=(50.0, 60.0)), "no probability"),
+    (lambda: distribution("triangular", mode=5.0, range=(0.0, 1.0)), "outside range"),
+    (lambda: distribution("lognormal", mean=-1.0, std=1.0), "above 0"),
+    (lambda: Parameter("x", levels=("a", "a")), "two or more different"),
+    (lambda: Space((Parameter("x", LAWS["uniform"]),) * 2), "must all differ"),
+    (lambda: Space((Parameter("x", LAWS["uniform"]), Parameter("y", LAWS["uniform"])),
+                   ((1.0, 1.0), (1.0, 1.0))), "positive definite"),
+    (lambda: Space((Parameter("x", LAWS["uniform"]),)).decode([[0.0, 0.0]]), "2 columns"),
+    (lambda: Parameter("x", levels=("blue", "red")).encode(["bleu"]), "did you mean 'blue'"),
+])
+def test_mistakes_are_sentences(build, words):
+    """Each mistake is a StudyError that names the cure."""
+    with pytest.raises(StudyError, match=words):
+        build()

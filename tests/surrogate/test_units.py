@@ -1,0 +1,48 @@
+"""Units: the figures of Chassagne 2018 from one unit to another."""
+
+import pytest
+
+from surrogate import units
+from surrogate.errors import StudyError
+
+
+@pytest.mark.parametrize("value, unit, target, answer", [
+    (18.486, "cm", "mm", 184.86),
+    (0.098, "N/mm", "N/m", 98.0),
+    (14.3, "MPa", "kPa", 14300.0),
+    (1.0, "mmHg", "Pa", 133.322),
+    (20.0, "degC", "K", 293.15),
+])
+def test_values_convert(value, unit, target, answer):
+    """NIST SP 811 factors."""
+    assert units.conversion(unit, target).place(value) == pytest.approx(answer, rel=1e-5)
+
+
+def test_a_spread_of_temperatures_has_no_offset():
+    """A standard deviation of 2 degC is one of 2 K."""
+    assert units.conversion("degC", "K").distance(2.0) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("unit, target, words", [
+    ("mm", "N/mm", "does not convert"), ("furlogn", "mm", "is unknown"),
+    ("mm", "", "a number without unit"), ("N/(mm", "N/mm", "is unknown"),
+])
+def test_wrong_units_are_sentences(unit, target, words):
+    """Units that do not fit are refused by name."""
+    with pytest.raises(StudyError, match=words):
+        units.conversion(unit, target)
+
+
+def test_durations():
+    """Durations of the study file in seconds."""
+    assert [units.seconds(t) for t in ("30 min", "2 h", "1.5 s", 7)] == [1800.0, 7200.0, 1.5, 7.0]
+    with pytest.raises(StudyError, match="30 min"):
+        units.seconds("30 parsecs")
+
+
+def test_quantities_carry_their_unit():
+    """`98 N/m` is 0.098 N/mm; a bare number is in the target unit."""
+    assert units.quantity("98 N/m", "N/mm") == pytest.approx(0.098)
+    assert units.quantity("0.098", "N/mm") == 0.098
+    with pytest.raises(StudyError, match="not a number"):
+        units.quantity("much", "mm")
