@@ -1,0 +1,160 @@
+"""Sobol' indices of any function by pick-freeze on scrambled Sobol' sequences.
+
+Two independent points A and B of the inputs are mixed: A_i is A with input i taken
+from B, B_i is B with input i taken from A. With numerators and denominators averaged
+over the points,
+
+    S_i   = 2 E[(f(A) - f(A_i)) (f(B_i) - f(B))]             / D_i
+    T_i   = (E[(f(A) - f(A_i))^2] + E[(f(B) - f(B_i))^2])    / D_i
+    S_ij  = 4 E[(f(B_i) - f(B)) (f(A_j) - f(A))]             / mean D
+    D_i   = E[(f(A) - f(B))^2] + E[(f(A_i) - f(B_i))^2]      (= 4 Var f)
+
+S_i and T_i are the estimators of Azzini, Mara and Rosati 2021, "Comparison of two sets
+of Monte Carlo estimators of Sobol' indices", Environmental Modelling and Software 144,
+doi 10.1016/j.envsoft.2021.105167, equations 13 and 14; the numerator of S_i is Owen's
+double difference (2013, "Better estimation of small Sobol' sensitivity indices", ACM
+TOMACS 23, doi 10.1145/2457459.2457460). All are sums of products of differences: they do
+not depend on the mean of f, and they vanish with the effect. `benchmarks/sensitivity.py`
+measures them against Janon, Martinez, Jansen and Saltelli's forms.
+
+The points come in independent scramblings of a Sobol' sequence. The scatter between
+scramblings gives the standard error (jackknife of the ratio, Student quantile; see
+L'Ecuyer, Nakayama, Owen and Tuffin 2023, "Confidence intervals for randomized
+quasi-Monte Carlo estimators"); a bootstrap over the points of one sequence would not
+know that they are spread more evenly than random ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+from scipy.stats import qmc
+
+from surrogate.errors import StudyError
+from surrogate.space import Space
+
+Predict = Callable[[np.ndarray], np.ndarray]
+
+#: Most numbers held at once in the block of function values: 32 MB.
+BLOCK = 4_000_000
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Indices with the half-widths of their sampling intervals.
+
+    first_order, total: shape (d,); second_order: (d, d), symmetric, NaN on the diagonal;
+    `half` maps the same names to half-widths of the same shapes; evaluations: of f.
+    """
+
+    first_order: np.ndarray
+    total: np.ndarray
+    second_order: np.ndarray
+    half: dict[str, np.ndarray]
+    evaluations: int
+
+
+def pick_freeze(predict: Predict, space: Space, *, samples: int = 2**14, scramblings: int = 16,
+                confidence: float = 0.95, seed=None) -> Sampled:
+    """Sobol' indices of `predict` over the independent inputs of `space`.
+
+    predict      coded points (run, parameter) -> values (run,) or (run, ...); the indices
+                 of an array are those of its components weighted by variance (Gamboa,
+                 Janon, Klein and Lagnoux 2014, doi 10.1214/14-EJS895)
+    samples      number of pairs (A, B), rounded up to `scramblings` powers of two;
+                 (2 d + 2) evaluations each, in blocks of bounded memory
+    scramblings  independent randomisations; their scatter gives the intervals
+    """
+    if scramblings < 4:
+        raise StudyError(f"scramblings: {scramblings} is too few for an interval; take 8 or more")
+    moments = product_moments(predict, space, samples=samples, scramblings=scramblings, seed=seed)
+    values, errors = jackknife(_ratios, moments)
+    quantile = stats.t.ppf(0.5 + 0.5 * confidence, scramblings - 1)
+    names = ("first_order", "total", "second_order")
+    half = {name: quantile * error for name, error in zip(names, errors, strict=True)}
+    runs = scramblings * per_scrambling(samples, scramblings)
+    return Sampled(*values, half=half, evaluations=runs * (2 * space.size + 2))
+
+
+def per_scrambling(samples: int, scramblings: int) -> int:
+    """Smallest power of two with at least `samples` points over all scramblings."""
+    return 2 ** max(3, int(np.ceil(np.log2(samples / scramblings))))
+
+
+def product_moments(predict: Predict, space: Space, *, samples: int, scramblings: int,
+                    seed=None) -> np.ndarray:
+    """Means of products f(X) f(X') over the points, shape (scramblings, k, k).
+
+    The k = 2 d + 2 columns are A, B, A_1 .. A_d, B_1 .. B_d, less a rough mean of f so
+    that no digits are lost; components of an array are summed.
+    """
+    d = space.size
+    runs = per_scrambling(samples, scramblings)
+    centre, width = _pilot(predict, space)
+    block = max(8, min(runs, 2 ** int(np.log2(max(8, BLOCK // (width * (2 * d + 2)))))))
+    moments = np.zeros((scramblings, 2 * d + 2, 2 * d + 2))
+    for r, generator in enumerate(np.random.default_rng(seed).spawn(scramblings)):
+        for u in unit_blocks(2 * d, runs, block, generator):
+            A, B = space.quantile(u[:, :d]), space.quantile(u[:, d:])
+            columns = np.column_stack([(predict(X) - centre).ravel() for X in _mixtures(A, B)])
+            moments[r] += columns.T @ columns / runs
+    return moments
+
+
+def unit_blocks(dimensions: int, runs: int, block: int, generator) -> Iterator[np.ndarray]:
+    """One scrambled Sobol' sequence of `runs` points in (0, 1), `block` points at a time."""
+    sequence = qmc.Sobol(dimensions, scramble=True, rng=generator)
+    for _ in range(runs // block):
+        yield np.clip(sequence.random(block), 1e-12, 1.0 - 1e-12)
+
+
+def _pilot(predict: Predict, space: Space) -> tuple[np.ndarray, int]:
+    """Rough mean of f, and the number of its components."""
+    values = np.asarray(predict(space.sample(64, seed=0)))
+    return values.mean(axis=0), values[0].size
+
+
+def _mixtures(A: np.ndarray, B: np.ndarray) -> Iterator[np.ndarray]:
+    """A, B, then A with one column from B, then B with one column from A."""
+    yield A
+    yield B
+    for base, other in ((A, B), (B, A)):
+        for i in range(A.shape[1]):
+            mixed = base.copy()
+            mixed[:, i] = other[:, i]
+            yield mixed
+
+
+def _ratios(M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """First-order, total and second-order indices from product moments (k, k)."""
+    d = len(M) // 2 - 1
+    a, b, ai, bi = 0, 1, np.arange(2, 2 + d), np.arange(2 + d, 2 + 2 * d)
+    square = np.diag(M)
+    distance = square[:, None] + square[None, :] - 2.0 * M
+    four_variances = distance[a, b] + distance[ai, bi]
+    if not four_variances.mean() > 0.0:
+        raise StudyError("this output does not vary over the ranges of the parameters, so it "
+                         "has no sensitivity indices; check outputs and ranges")
+    first = 2.0 * (M[a, bi] - M[a, b] - M[ai, bi] + M[ai, b]) / four_variances
+    total = (distance[a, ai] + distance[b, bi]) / four_variances
+    pair = M[np.ix_(bi, ai)] - M[a, bi][:, None] - M[b, ai][None, :] + M[a, b]
+    second = 2.0 * (pair + pair.T) / four_variances.mean()
+    np.fill_diagonal(second, np.nan)
+    return first, total, second
+
+
+def jackknife(statistic, replicates: np.ndarray) -> tuple[tuple, tuple]:
+    """Statistic of the mean of independent replicates (R, ...), and its standard errors.
+
+    `statistic` maps an array to a tuple of arrays; standard errors by leaving out one
+    replicate at a time (Efron and Stein 1981): (R - 1) / R sum (t_r - mean t)^2.
+    """
+    R = len(replicates)
+    mean = replicates.mean(axis=0)
+    left_out = [statistic((R * mean - replicate) / (R - 1)) for replicate in replicates]
+    errors = tuple(np.sqrt((R - 1.0) * np.var(np.stack(parts), axis=0))
+                   for parts in zip(*left_out, strict=True))
+    return statistic(mean), errors
