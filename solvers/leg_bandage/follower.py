@@ -65,4 +65,4 @@ def skin_pressure(leg: LegMesh, pressure: float) -> FollowerPressure:
 
 def _skew(a: np.ndarray) -> np.ndarray:
     """Matrices (..., 3, 3) that take b to a x b."""
-    return np.cross(a[..., None, :], np.eye(3)).swapaxes(-1, -2) * -1.0
+    return np.cross(a[..., None, :], np.eye(3)).swapaxes(-1, -2)
