@@ -1,0 +1,50 @@
+"""Full factorial: every combination of levels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import pyDOE3
+
+from surrogate.designs.center_points import centers
+from surrogate.designs.requirements import affordable, bounded, whole
+from surrogate.errors import DesignError, nearest
+from surrogate.space import Parameter, Space
+
+
+def full_factorial(space: Space, *, levels: int | dict[str, int] = 2, center_points: int = 0,
+                   seed=None) -> np.ndarray:
+    """Every combination of evenly spaced levels, the first parameter changing fastest.
+
+    levels: number of levels of each parameter, or of the named ones (the others get 2);
+    a categorical parameter always takes all of its own. Returns coded (run, parameter).
+    """
+    bounded(space, "full_factorial")
+    counts = _counts(space, levels)
+    affordable(math.prod(counts), "full_factorial",
+               "use fractional_factorial, d_optimal or latin_hypercube")
+    index = pyDOE3.fullfact(counts).astype(int)
+    grids = [np.linspace(-1.0, 1.0, count) for count in counts]
+    coded = np.column_stack([grid[index[:, j]] for j, grid in enumerate(grids)])
+    return np.vstack([coded, centers(space, center_points)])
+
+
+def _counts(space: Space, levels) -> list[int]:
+    named = dict(levels) if isinstance(levels, Mapping) else dict.fromkeys(
+        (p.name for p in space.parameters if not p.categorical), levels)
+    unknown = [name for name in named if name not in space.names]
+    if unknown:
+        raise DesignError(f"levels: parameter '{unknown[0]}' is unknown; "
+                          f"{nearest(unknown[0], space.names)}")
+    return [_count(p, named.get(p.name)) for p in space.parameters]
+
+
+def _count(parameter: Parameter, wanted) -> int:
+    if not parameter.categorical:
+        return whole(f"levels of {parameter.name}", 2 if wanted is None else wanted, 2)
+    if wanted not in (None, len(parameter.levels)):
+        raise DesignError(f"levels of {parameter.name}: {wanted!r} must be "
+                          f"{len(parameter.levels)}, the number of its named levels; leave it out")
+    return len(parameter.levels)

@@ -1,0 +1,50 @@
+"""Latin hypercube: each parameter takes `runs` different values, one in each equal slice.
+
+McKay, Beckman and Conover 1979. `maximin` moves the points as far apart as it can:
+minimises phi = sum over pairs of distance^-p (Morris and Mitchell 1995) by exchanging two
+values of a column, accepted as in the enhanced stochastic evolutionary algorithm of Jin,
+Chen and Sudjianto 2005.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surrogate.designs.maximin import maximin
+from surrogate.designs.requirements import affordable, choice, whole
+from surrogate.space import Space
+
+CRITERIA = ("maximin", "random")
+
+
+def latin_hypercube(space: Space, *, runs: int, criterion: str = "maximin",
+                    seed=None) -> np.ndarray:
+    """`runs` points, coded (run, parameter), by the law of each parameter.
+
+    criterion  maximin: in the middle of the slices, as far apart as possible;
+               random: anywhere in the slices, in random order
+    Correlated parameters keep their slices and take the rank correlation of the space.
+    """
+    runs = whole("runs", runs, 1)
+    affordable(runs * space.size, "latin_hypercube", "lower runs, or use sobol")
+    rng = np.random.default_rng(seed)
+    ranks = rng.permuted(np.tile(np.arange(runs)[:, None], space.size), axis=0)
+    if choice("criterion", criterion, CRITERIA) == "maximin":
+        ranks, within = maximin(ranks, rng), np.full(ranks.shape, 0.5)
+    else:
+        within = rng.random(ranks.shape)
+    if not space.independent:
+        ranks = _correlated(space, (ranks + within) / runs, ranks)
+    u = (ranks + within) / runs
+    return np.column_stack([p.quantile(u[:, j]) for j, p in enumerate(space.parameters)])
+
+
+def _correlated(space: Space, u: np.ndarray, ranks: np.ndarray) -> np.ndarray:
+    """Ranks in the order that the space's copula gives to the points `u` (Iman, Conover 1982).
+
+    The copula moves points out of their slices; ranking puts one back into each. Levels
+    tie, so categorical columns are ordered by their own slices within a level.
+    """
+    joint = space.quantile(u)
+    order = [np.lexsort((ranks[:, j], joint[:, j])) for j in range(space.size)]
+    return np.argsort(np.column_stack(order), axis=0)

@@ -1,0 +1,29 @@
+"""Sobol' sequence: even coverage at every size, and it grows without losing runs.
+
+Sobol' 1967, direction numbers of Joe and Kuo 2008, scrambled after Owen 1995 / Matousek 1998
+(scipy.stats.qmc.Sobol). Sizes that are powers of two are the most even.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.stats import qmc
+
+from surrogate.designs.requirements import affordable, whole
+from surrogate.space import Space
+
+#: Keeps unbounded parameters away from probability 0 and 1.
+EDGE = 2.0**-32
+
+
+def sobol(space: Space, *, runs: int, seed=None) -> np.ndarray:
+    """`runs` scrambled points, coded (run, parameter), by the joint law of the space.
+
+    With the same seed, the points of a smaller design are the first of a larger one.
+    """
+    runs = whole("runs", runs, 1)
+    affordable(runs, "sobol", "lower runs")
+    engine = qmc.Sobol(space.size, scramble=True, seed=np.random.default_rng(seed))
+    # Drawn to the next power of two: the engine warns about other sizes.
+    u = engine.random_base2((runs - 1).bit_length())[:runs]
+    return space.quantile(np.clip(u, EDGE, 1.0 - EDGE))
