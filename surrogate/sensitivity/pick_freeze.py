@@ -71,7 +71,7 @@ def pick_freeze(predict: Predict, space: Space, *, samples: int = 2**14, scrambl
     if scramblings < 4:
         raise StudyError(f"scramblings: {scramblings} is too few for an interval; take 8 or more")
     moments = product_moments(predict, space, samples=samples, scramblings=scramblings, seed=seed)
-    values, errors = jackknife(_ratios, moments)
+    values, errors = jackknife(ratios, moments)
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, scramblings - 1)
     names = ("first_order", "total", "second_order")
     half = {name: quantile * error for name, error in zip(names, errors, strict=True)}
@@ -128,7 +128,7 @@ def _mixtures(A: np.ndarray, B: np.ndarray) -> Iterator[np.ndarray]:
             yield mixed
 
 
-def _ratios(M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def ratios(M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """First-order, total and second-order indices from product moments (k, k)."""
     d = len(M) // 2 - 1
     a, b, ai, bi = 0, 1, np.arange(2, 2 + d), np.arange(2 + d, 2 + 2 * d)
