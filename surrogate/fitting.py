@@ -1,0 +1,273 @@
+"""Fit: one regressor of one output on coded inputs, with what it is worth.
+
+Accuracy is judged by predictions of runs that the fit has not seen:
+
+    Q2 = 1 - sum (y - prediction)^2 / sum (y - mean(y))^2
+
+over all runs (and all places of a field), the mean being that of the runs judged.
+Up to `LEAVE_ONE_OUT` runs each run is left out in turn; above, ten folds, the same
+for every surrogate of the same runs and seed.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import stats
+from sklearn.base import BaseEstimator, clone
+from sklearn.pipeline import Pipeline, make_pipeline
+from sklearn.preprocessing import FunctionTransformer
+
+from surrogate.errors import FitError
+from surrogate.regressors import portable
+from surrogate.regressors.columns import columns, expand
+from surrogate.regressors.field import Field
+from surrogate.space import Space
+
+#: Points predicted at once, so that memory stays bounded for any number of them.
+CHUNK = 65_536
+#: Largest number of runs that are left out one at a time.
+LEAVE_ONE_OUT = 30
+FOLDS = 10
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A fitted surrogate of one output.
+
+    surrogate, output  their names
+    estimator          fitted scikit-learn estimator
+    coded, values      training points (n, d) and values (n,) or fields (n, ...)
+    folds              (n,) which runs were left out together
+    left_out           values as predicted by a fit without the run's fold; NaN where
+                       the rest of the runs cannot support a fit
+    seconds            time of the fit, without cross-validation
+    """
+
+    surrogate: str
+    output: str
+    space: Space
+    estimator: BaseEstimator
+    coded: np.ndarray
+    values: np.ndarray
+    folds: np.ndarray
+    left_out: np.ndarray
+    seconds: float
+
+    @property
+    def q2(self) -> float:
+        """Q2 of the left-out predictions; NaN when some run cannot be left out."""
+        return q2(self.values, self.left_out)
+
+    @property
+    def rmse(self) -> float:
+        """Root mean square error of the left-out predictions, in the output's unit."""
+        return rmse(self.values, self.left_out)
+
+    @property
+    def offers_std(self) -> bool:
+        """True when the surrogate has a standard deviation of its own at every point."""
+        return _offers_std(self.estimator)
+
+    @cached_property
+    def _errors(self) -> np.ndarray:
+        """Sizes of the left-out errors that exist, sorted along runs, shape (k, ...)."""
+        errors = np.abs(self.values - self.left_out)
+        known = np.isfinite(errors).reshape(len(errors), -1).all(axis=1)
+        return np.sort(errors[known], axis=0)
+
+    def predict(self, coded, return_std: bool = False):
+        """Values (m, ...) at coded points (m, d), and their standard deviations if asked.
+
+        Standard deviations are the surrogate's own; for one that has none, the
+        root mean square of the left-out errors, the same at every point.
+        """
+        coded = _points(coded, self.space)
+        if not return_std:
+            return _chunked(self.estimator.predict, coded, self.values.shape[1:])
+        if self.offers_std:
+            return tuple(_chunked(lambda x: np.stack(self.estimator.predict(x, return_std=True), 1),
+                                  coded, (2, *self.values.shape[1:])).swapaxes(0, 1))
+        mean = self.predict(coded)
+        return mean, np.broadcast_to(self._spread(), mean.shape)
+
+    def _spread(self) -> np.ndarray:
+        if not len(self._errors):
+            return np.full(self.values.shape[1:], np.nan)
+        return np.sqrt((self._errors**2).mean(axis=0))
+
+    def interval(self, coded, confidence: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper ends (m, ...) of prediction intervals at coded points (m, d).
+
+        Own standard deviation: Student's t with the surrogate's degrees of freedom
+        (polynomials) or the normal law (Gaussian process). Otherwise the conformal
+        quantile of the left-out errors, their ceil(confidence (k + 1))-th smallest of k
+        (Vovk 2015, cross-conformal; constant width); when k is too small for that,
+        Student's t times their root mean square, times sqrt(1 + 1 / k).
+        """
+        if self.offers_std:
+            mean, std = self.predict(coded, return_std=True)
+            half = std * _quantile(self.estimator, confidence)
+        else:
+            mean, half = self.predict(coded), self._half_width(confidence)
+        return mean - half, mean + half
+
+    def _half_width(self, confidence: float) -> np.ndarray:
+        k = len(self._errors)
+        rank = math.ceil(confidence * (k + 1))
+        if rank <= k:
+            return self._errors[rank - 1]
+        if k < 2:
+            return np.full(self.values.shape[1:], np.nan)
+        quantile = stats.t.ppf(0.5 + confidence / 2.0, k - 1)
+        return quantile * math.sqrt(1.0 + 1.0 / k) * self._spread()
+
+    def portable(self) -> dict:
+        """JSON-able document that evaluates without this package.
+
+        The format is in `surrogate.regressors.portable`. Raises `FitError` for a
+        regressor that has no such description.
+        """
+        single = self.estimator.estimator if isinstance(self.estimator, Field) else self.estimator
+        if not hasattr(single, "portable"):
+            raise FitError(f"surrogate '{self.surrogate}' has no portable form; export a "
+                           "polynomial, polynomial chaos or Gaussian process")
+        model = self.estimator.portable()
+        return portable.describe(self.space, model, surrogate=self.surrogate, output=self.output)
+
+
+def fit(space: Space, coded, values, estimator, *, surrogate: str = "surrogate",
+        output: str = "output", seed: int = 0) -> Fit:
+    """Fit a clone of `estimator` to values (n,) or fields (n, ...) at coded points (n, d).
+
+    The estimator is given the space if it has a parameter of that name; otherwise
+    categorical parameters reach it as effect-coded columns. `seed` fixes the folds
+    and every `random_state` that the estimator leaves open. Failed runs must be left
+    out. Raises `FitError` for too few runs or what the estimator cannot digest.
+    """
+    coded, values = _points(coded, space), np.asarray(values, dtype=float)
+    prepared = prepare(estimator, space, seed=seed, field=values.ndim > 1)
+    _check(space, coded, values, prepared, surrogate, output)
+    start = time.perf_counter()
+    try:
+        fitted = clone(prepared).fit(coded, values)
+    except (ValueError, np.linalg.LinAlgError) as error:
+        raise FitError(f"surrogate '{surrogate}' cannot be fitted to '{output}': "
+                       f"{error}") from error
+    seconds = time.perf_counter() - start
+    groups = folds(len(coded), seed=seed)
+    return Fit(surrogate, output, space, fitted, coded, values, groups,
+               _left_out(fitted, prepared, coded, values, groups), seconds)
+
+
+def prepare(estimator, space: Space, *, seed: int = 0, field: bool = False):
+    """The estimator as `fit` uses it: unfitted, knowing space and seed, for scalars or fields."""
+    ready = clone(estimator)
+    options = ready.get_params(deep=True)
+    ready.set_params(**{name: seed for name, value in options.items()
+                        if name.split("__")[-1] == "random_state" and value is None})
+    if "space" in ready.get_params(deep=False):
+        ready.set_params(space=space)
+    elif any(parameter.categorical for parameter in space.parameters):
+        of = columns(space, space.size)
+        ready = make_pipeline(FunctionTransformer(expand, kw_args={"of": of}), ready)
+    return Field(ready) if field else ready
+
+
+def minimum_runs(estimator, space: Space) -> int:
+    """Fewest runs that the estimator can be fitted to in this space."""
+    offered = getattr(estimator, "minimum_runs", None)
+    return offered(space) if offered else 2
+
+
+def folds(runs: int, *, seed: int = 0) -> np.ndarray:
+    """Fold number of each run (n,): one run each up to `LEAVE_ONE_OUT` runs, else ten folds."""
+    if runs <= LEAVE_ONE_OUT:
+        return np.arange(runs)
+    return np.random.default_rng(seed).permutation(np.arange(runs) % FOLDS)
+
+
+def q2(values, predictions) -> float:
+    """1 - sum of squared errors / sum of squares about the mean; at most 1.
+
+    For values that do not vary: 1 when predicted exactly, NaN otherwise.
+    """
+    values, errors = np.asarray(values), np.asarray(values) - np.asarray(predictions)
+    total = float(((values - values.mean(axis=0)) ** 2).sum())
+    wrong = float((errors**2).sum())
+    negligible = 1e-24 * float((values**2).sum())
+    if total <= negligible:
+        return 1.0 if wrong <= negligible else np.nan
+    return 1.0 - wrong / total
+
+
+def rmse(values, predictions) -> float:
+    """Root mean square of values - predictions."""
+    return float(np.sqrt(np.mean((np.asarray(values) - np.asarray(predictions)) ** 2)))
+
+
+def _left_out(fitted, prepared, coded, values, groups) -> np.ndarray:
+    """Predictions by fits without each fold: the estimator's closed form, or refits."""
+    if hasattr(fitted, "leave_out"):
+        return fitted.leave_out(groups)
+    result = np.full(values.shape, np.nan)
+    for group in np.unique(groups):
+        inside = groups == group
+        try:
+            rest = clone(prepared).fit(coded[~inside], values[~inside])
+        except (ValueError, np.linalg.LinAlgError, FitError):
+            continue  # too few runs are left: stays NaN, which Fit.q2 reports
+        result[inside] = rest.predict(coded[inside])
+    return result
+
+
+def _check(space, coded, values, estimator, surrogate, output) -> None:
+    if len(coded) != len(values):
+        raise FitError(f"{len(coded)} points but {len(values)} values of '{output}'")
+    bad = int((~np.isfinite(values).reshape(len(values), -1).all(axis=1)).sum())
+    if bad:
+        raise FitError(f"{bad} of {len(values)} values of '{output}' are not finite; leave failed "
+                       "runs out before fitting")
+    needed = minimum_runs(estimator, space)
+    if len(coded) < needed:
+        raise FitError(f"surrogate '{surrogate}' needs at least {needed} runs in {space.size} "
+                       f"parameters but '{output}' has {len(coded)}; add runs or choose a "
+                       "surrogate with fewer terms")
+
+
+def _points(coded, space: Space) -> np.ndarray:
+    coded = np.atleast_2d(np.asarray(coded, dtype=float))
+    if coded.ndim != 2 or coded.shape[1] != space.size:
+        raise FitError(f"points of shape {coded.shape} do not fit {space.size} parameters; give "
+                       f"coded points (run, parameter) in the order {', '.join(space.names)}")
+    return coded
+
+
+def _offers_std(estimator) -> bool:
+    if isinstance(estimator, Pipeline):
+        return _offers_std(estimator[-1])
+    if isinstance(estimator, Field):
+        return _offers_std(estimator.estimator)
+    return "return_std" in inspect.signature(estimator.predict).parameters
+
+
+def _quantile(estimator, confidence: float) -> float:
+    freedom = getattr(estimator, "interval_freedom", None)
+    law = stats.norm if freedom is None else stats.t(freedom) if freedom else None
+    return float(law.ppf(0.5 + confidence / 2.0)) if law else np.nan
+
+
+def _chunked(function: Callable, coded: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    """function(coded) of shape (m, *shape), computed for about `CHUNK` numbers at a time."""
+    result = np.empty((len(coded), *shape))
+    step = max(CHUNK // math.prod(shape), 256)
+    for start in range(0, len(coded), step):
+        part = slice(start, start + step)
+        result[part] = function(coded[part])
+    return result

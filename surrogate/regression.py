@@ -1,0 +1,312 @@
+"""Least squares with everything a regression table shows.
+
+`least_squares` fits y = X b and keeps what the tables need; `table` turns it into
+an xarray dataset; `nested` is the F test of a larger model against a smaller one.
+The formulas are those of Montgomery, Peck, Vining, Introduction to Linear
+Regression Analysis (5th ed. 2012), chapters 3, 4 and 6.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from scipy import linalg, stats
+
+from surrogate.errors import FitError
+
+#: A column whose part outside the earlier ones is smaller than this (relative) is aliased.
+RANK_TOLERANCE = 1e-7
+#: A run whose leverage is this close to 1 determines a coefficient alone.
+LEVERAGE_TOLERANCE = 1e-10
+
+DETERMINISTIC = ("The solver is deterministic: the residuals are lack of fit and not noise, so "
+                 "standard errors, t and p say how well the polynomial describes the solver, not "
+                 "how surely an effect exists.")
+
+
+@dataclass(frozen=True)
+class LeastSquares:
+    """A least squares fit of n runs by p terms, of which r are told apart by the runs.
+
+    names         p term names, the constant `1` first
+    matrix        (n, p); y (n,)
+    kept          (p,) False for terms that earlier terms reproduce; their coefficient is 0
+    coefficients  (p,)
+    alias         (r, p - r): dropped column = kept columns @ alias
+    basis         (n, r) orthonormal columns Q of X = Q R; inverse (r, r) is R^-1
+    """
+
+    names: tuple[str, ...]
+    matrix: np.ndarray
+    y: np.ndarray
+    kept: np.ndarray
+    coefficients: np.ndarray
+    alias: np.ndarray
+    basis: np.ndarray
+    inverse: np.ndarray
+
+    @property
+    def residuals(self) -> np.ndarray:
+        """y - X b, shape (n,)."""
+        return self.y - self.matrix @ self.coefficients
+
+    @property
+    def freedom(self) -> int:
+        """Residual degrees of freedom n - r."""
+        return len(self.y) - self.basis.shape[1]
+
+    @property
+    def sse(self) -> float:
+        """Sum of squared residuals."""
+        return float(self.residuals @ self.residuals)
+
+    @property
+    def sst(self) -> float:
+        """Sum of squares about the mean."""
+        return float(((self.y - self.y.mean()) ** 2).sum())
+
+    @property
+    def residual_sd(self) -> float:
+        """sqrt(SSE / (n - r)); NaN without residual degrees of freedom."""
+        return float(np.sqrt(self.sse / self.freedom)) if self.freedom else np.nan
+
+    @property
+    def leverage(self) -> np.ndarray:
+        """Diagonal of X (X'X)^-1 X', shape (n,)."""
+        return (self.basis**2).sum(axis=1)
+
+    @property
+    def estimable(self) -> np.ndarray:
+        """(p,) True where the runs determine the coefficient, whatever the other terms are."""
+        result = self.kept.copy()
+        result[self.kept] = ~(np.abs(self.alias) > 1e-8).any(axis=1)
+        return result
+
+    def leave_out(self, folds: np.ndarray) -> np.ndarray:
+        """Predictions (n,) of each run by the fit without its fold, in closed form.
+
+        For a fold B: y_B - prediction = (I - H_BB)^-1 e_B with H the hat matrix
+        (Montgomery et al., appendix C.7). NaN where the rest cannot fit the model.
+        """
+        left_out = np.full(len(self.y), np.nan)
+        residuals = self.residuals
+        for fold in np.unique(folds):
+            inside = np.flatnonzero(folds == fold)
+            rest = np.eye(len(inside)) - self.basis[inside] @ self.basis[inside].T
+            if np.linalg.eigvalsh(rest)[0] > LEVERAGE_TOLERANCE:
+                left_out[inside] = self.y[inside] - np.linalg.solve(rest, residuals[inside])
+        return left_out
+
+    def leave_one_out(self) -> np.ndarray:
+        """Predictions (n,) of each run by the fit without it: y - e / (1 - h)."""
+        slack = 1.0 - self.leverage
+        slack[slack < LEVERAGE_TOLERANCE] = np.nan
+        return self.y - self.residuals / slack
+
+    def standard_error(self, rows: np.ndarray) -> np.ndarray:
+        """Standard deviation (m,) of a new observation at design rows (m, p)."""
+        spread = ((rows[:, self.kept] @ self.inverse) ** 2).sum(axis=1)
+        return self.residual_sd * np.sqrt(1.0 + spread)
+
+
+def least_squares(matrix, y, names) -> LeastSquares:
+    """Fit y (n,) by the columns of matrix (n, p), called `names`.
+
+    A column that earlier columns reproduce is dropped (coefficient 0), so lower
+    terms, which come first, win. Raises `FitError` for values that are not finite.
+    """
+    matrix, y = np.asarray(matrix, dtype=float), np.asarray(y, dtype=float)
+    if not (np.isfinite(matrix).all() and np.isfinite(y).all()):
+        raise FitError("some values are not finite; leave failed runs out before fitting")
+    kept = _independent(matrix)
+    basis, upper = np.linalg.qr(matrix[:, kept])
+    inverse = linalg.solve_triangular(upper, np.eye(kept.sum()))
+    coefficients = np.zeros(matrix.shape[1])
+    coefficients[kept] = linalg.solve_triangular(upper, basis.T @ y)
+    alias = linalg.solve_triangular(upper, basis.T @ matrix[:, ~kept])
+    return LeastSquares(tuple(names), matrix, y, kept, coefficients, alias, basis, inverse)
+
+
+def _independent(matrix: np.ndarray) -> np.ndarray:
+    """(p,) which columns are not combinations of earlier ones (Gram-Schmidt, done twice)."""
+    n, p = matrix.shape
+    basis = np.zeros((n, min(n, p)))
+    kept = np.zeros(p, dtype=bool)
+    for j in range(p):
+        rank = kept.sum()
+        if rank == n:
+            break
+        rest = matrix[:, j].copy()
+        for _ in range(2):
+            rest -= basis[:, :rank] @ (basis[:, :rank].T @ rest)
+        size = np.linalg.norm(rest)
+        if size > RANK_TOLERANCE * np.linalg.norm(matrix[:, j]):
+            basis[:, rank] = rest / size
+            kept[j] = True
+    return kept
+
+
+def table(model: LeastSquares, points=None, *, confidence: float = 0.95,
+          deterministic: bool = False) -> xr.Dataset:
+    """The regression table of a fit.
+
+    points (n, d), the runs' inputs, show which runs are replicates (default: equal
+    rows of the matrix). Dimension `term`: coefficient, standard_error, t, p, low,
+    high, vif. Scalars: r2, r2_adjusted, press, q2, residual_sd, f, f_p, aicc,
+    lack_of_fit_f, lack_of_fit_p and degrees of freedom. Dimension `run`: residual,
+    leverage, cooks_distance, studentised (internal), studentised_external.
+    What the runs cannot tell is NaN, and `notes` says why.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        columns = {name: ("term", value) for name, value in _terms(model, confidence).items()}
+        rows = {name: ("run", value) for name, value in _runs(model).items()}
+        pure = _lack_of_fit(model, model.matrix if points is None else np.asarray(points))
+        scalars = {name: ((), float(value)) for name, value in {**_summary(model), **pure}.items()}
+    notes = _notes(model, pure) + ([DETERMINISTIC] if deterministic else [])
+    return xr.Dataset({**columns, **scalars, **rows}, coords={"term": list(model.names)},
+                      attrs={"confidence": confidence, "notes": "\n".join(notes),
+                             "deterministic": int(deterministic)})
+
+
+def _terms(model: LeastSquares, confidence: float) -> dict[str, np.ndarray]:
+    """Coefficient columns of the table; VIF_j = C_jj sum (x_j - mean)^2."""
+    unscaled = np.full(len(model.names), np.nan)
+    unscaled[model.kept] = (model.inverse**2).sum(axis=1)
+    unscaled[~model.estimable] = np.nan
+    coefficient = np.where(model.estimable, model.coefficients, np.nan)
+    error = model.residual_sd * np.sqrt(unscaled)
+    t = coefficient / error
+    half = _student(confidence, model.freedom) * error
+    about_mean = ((model.matrix - model.matrix.mean(axis=0)) ** 2).sum(axis=0)
+    constant = about_mean <= 1e-20 * np.maximum((model.matrix**2).sum(axis=0), 1e-300)
+    return {"coefficient": coefficient, "standard_error": error, "t": t,
+            "p": _tail(stats.t, np.abs(t), model.freedom, sides=2),
+            "low": coefficient - half, "high": coefficient + half,
+            "vif": np.where(constant, np.nan, unscaled * about_mean)}
+
+
+def _student(confidence: float, freedom: int) -> float:
+    return stats.t.ppf(0.5 + confidence / 2.0, freedom) if freedom else np.nan
+
+
+def _tail(law, value, *freedom, sides: int = 1):
+    """Probability above `value`; NaN where a number of degrees of freedom is zero."""
+    return sides * law.sf(value, *freedom) if all(freedom) else np.nan * value
+
+
+def _summary(model: LeastSquares) -> dict[str, float]:
+    n, rank = model.basis.shape
+    press = float(((model.y - model.leave_one_out()) ** 2).sum())
+    variance = model.residual_sd**2
+    f = _ratio((model.sst - model.sse) / (rank - 1), variance) if rank > 1 else np.nan
+    return {"r2": 1.0 - _ratio(model.sse, model.sst),
+            "r2_adjusted": 1.0 - _ratio(variance, model.sst / (n - 1)),
+            "press": press, "q2": 1.0 - _ratio(press, model.sst),
+            "residual_sd": model.residual_sd, "f": f,
+            "f_p": _tail(stats.f, f, rank - 1, model.freedom), "aicc": _aicc(model),
+            "sse": model.sse, "runs": n, "df_model": rank - 1, "df_residual": model.freedom}
+
+
+def _ratio(part: float, whole: float) -> float:
+    """part / whole in the floating point sense: inf or NaN for a whole of zero."""
+    return float(np.divide(part, whole))
+
+
+def _aicc(model: LeastSquares) -> float:
+    """-2 log L + 2 k n / (n - k - 1) with k = r + 1 counting the variance (Hurvich, Tsai 1989)."""
+    n, k = len(model.y), model.basis.shape[1] + 1
+    if n - k - 1 <= 0 or model.sse <= 0.0:
+        return np.nan
+    return n * (np.log(2.0 * np.pi * model.sse / n) + 1.0) + 2.0 * k * n / (n - k - 1)
+
+
+def _runs(model: LeastSquares) -> dict[str, np.ndarray]:
+    """Diagnostics of each run (Montgomery et al., sections 4.2 and 6.3)."""
+    leverage, freedom = model.leverage, model.freedom
+    slack = np.where(1.0 - leverage < LEVERAGE_TOLERANCE, np.nan, 1.0 - leverage)
+    internal = model.residuals / (model.residual_sd * np.sqrt(slack))
+    rest = np.where(freedom - internal**2 > 0.0, freedom - internal**2, np.nan)
+    external = internal * np.sqrt((freedom - 1) / rest) if freedom > 1 else np.nan * internal
+    return {"residual": model.residuals, "leverage": leverage,
+            "cooks_distance": internal**2 * leverage / (slack * model.basis.shape[1]),
+            "studentised": internal, "studentised_external": external}
+
+
+def _lack_of_fit(model: LeastSquares, points: np.ndarray) -> dict[str, float]:
+    """F test of lack of fit against pure error (Montgomery et al., section 4.5)."""
+    _, group = np.unique(np.round(points, 9), axis=0, return_inverse=True)
+    group = group.ravel()
+    means = np.bincount(group, model.y) / np.bincount(group)
+    pure = float(((model.y - means[group]) ** 2).sum())
+    df_pure = len(model.y) - len(means)
+    df_lack = model.freedom - df_pure
+    # Rounding of identical runs is not an experimental error to test against.
+    noisy = pure > 1e-24 * max(float(model.y @ model.y), 1e-300)
+    f = np.nan
+    if df_pure and df_lack > 0 and noisy:
+        f = max(model.sse - pure, 0.0) / df_lack / (pure / df_pure)
+    return {"lack_of_fit_f": f, "lack_of_fit_p": _tail(stats.f, f, df_lack, df_pure),
+            "pure_error": pure, "df_lack_of_fit": df_lack, "df_pure_error": df_pure}
+
+
+def _notes(model: LeastSquares, pure: dict[str, float]) -> list[str]:
+    notes = aliases(model)
+    if model.freedom == 0:
+        notes.append(f"The fit is saturated: {len(model.y)} runs determine "
+                     f"{model.basis.shape[1]} coefficients and leave nothing to judge them by. "
+                     "Standard errors, p-values and Q2 do not exist; add runs.")
+    elif (alone := np.flatnonzero(1.0 - model.leverage < LEVERAGE_TOLERANCE)).size:
+        notes.append(f"Run {', '.join(map(str, alone))} (counted from 0) alone determines a "
+                     "coefficient; it cannot be left out, so PRESS and Q2 do not exist.")
+    if pure["df_pure_error"] and np.isnan(pure["lack_of_fit_f"]):
+        notes.append("The replicates agree exactly or leave no degrees of freedom: there is no "
+                     "pure error to test the lack of fit against.")
+    return notes
+
+
+def aliases(model: LeastSquares) -> list[str]:
+    """A sentence for each term that the runs cannot tell apart from others."""
+    kept = np.asarray(model.names)[model.kept]
+    sentences = []
+    for name, column in zip(np.asarray(model.names)[~model.kept], model.alias.T, strict=True):
+        others = kept[np.abs(column) > 1e-8]
+        if len(others) == 0:
+            sentences.append(f"{name} is zero in every run; it cannot be estimated.")
+        else:
+            sentences.append(f"{name} is aliased with {', '.join(others)}: the runs cannot tell "
+                             "them apart.")
+    return sentences
+
+
+@dataclass(frozen=True)
+class Nested:
+    """F test of a larger model against a smaller one that it contains."""
+
+    f: float
+    p: float
+    df_terms: int
+    df_residual: int
+
+
+def nested(smaller: LeastSquares, larger: LeastSquares) -> Nested:
+    """Do the larger model's additional terms explain more than its residuals would?
+
+    F = ((SSE_s - SSE_l) / (df_s - df_l)) / (SSE_l / df_l). Both must be fits of the
+    same runs and the larger must reproduce the smaller (else `FitError`). NaN when
+    the larger model leaves no residual degrees of freedom or adds none.
+    """
+    if not np.array_equal(smaller.y, larger.y):
+        raise FitError("the two models are fits of different runs; compare fits of the same runs")
+    outside = smaller.basis - larger.basis @ (larger.basis.T @ smaller.basis)
+    if np.abs(outside).max() > 1e-6:
+        raise FitError("the smaller model is not part of the larger one; the F test needs "
+                       "nested models")
+    terms, freedom = smaller.freedom - larger.freedom, larger.freedom
+    if terms == 0 or freedom == 0:
+        return Nested(np.nan, np.nan, terms, freedom)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        gain = max(smaller.sse - larger.sse, 0.0) / terms
+        f = _ratio(gain, larger.sse / freedom)
+    return Nested(f, float(stats.f.sf(f, terms, freedom)), terms, freedom)

@@ -1,0 +1,55 @@
+"""Columns of numbers that stand for coded parameters in a regression.
+
+A numeric parameter is one column, its coded value. A categorical one with k levels
+is k - 1 effect-coded columns, one for each level but the first: 1 at that level,
+-1 at the first, 0 elsewhere. With two levels this is the coded value itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surrogate.space import Space
+
+
+@dataclass(frozen=True)
+class Column:
+    """One numeric column: of parameter number `parameter`, of `level` out of `levels`.
+
+    `levels` is 0 for a numeric parameter.
+    """
+
+    parameter: int
+    name: str
+    level: int = 0
+    levels: int = 0
+
+    def values(self, coded: np.ndarray) -> np.ndarray:
+        """Column values (n,) of this parameter's coded values (n,)."""
+        if not self.levels:
+            return coded
+        last = self.levels - 1
+        index = np.clip(np.rint((coded + 1.0) / 2.0 * last), 0, last)
+        return (index == self.level) * 1.0 - (index == 0)
+
+
+def columns(space: Space | None, size: int) -> tuple[Column, ...]:
+    """Columns of a space; without one, of `size` numeric parameters called x1, x2, ..."""
+    if space is None:
+        return tuple(Column(j, f"x{j + 1}") for j in range(size))
+    return tuple(column for j, parameter in enumerate(space.parameters)
+                 for column in _of_parameter(j, parameter))
+
+
+def _of_parameter(j: int, parameter) -> list[Column]:
+    if not parameter.categorical:
+        return [Column(j, parameter.name)]
+    return [Column(j, f"{parameter.name}[{level}]", index, len(parameter.levels))
+            for index, level in enumerate(parameter.levels) if index]
+
+
+def expand(coded: np.ndarray, of: tuple[Column, ...]) -> np.ndarray:
+    """Numeric columns (n, c) of coded points (n, d)."""
+    return np.column_stack([column.values(coded[:, column.parameter]) for column in of])

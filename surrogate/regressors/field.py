@@ -1,0 +1,77 @@
+"""Fields by proper orthogonal decomposition: one regressor for each mode.
+
+With the singular value decomposition Y - mean = U S V' of the training fields
+(Sirovich 1987), a field is mean + sum_k a_k(x) V_k; the amplitudes a_k = U_k S_k are
+learnt one by one (Guo and Hesthaven 2018, non-intrusive reduced basis).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from sklearn.base import BaseEstimator, RegressorMixin, clone
+from sklearn.utils.validation import check_is_fitted
+
+
+class Field(RegressorMixin, BaseEstimator):
+    """One clone of `estimator` for each mode of the field.
+
+    estimator  a regressor of scalars on coded inputs
+    explained  share of the training variance that the modes must hold
+
+    Fitted: `shape_` of a field, `mean_` (size,), `modes_` (k, size) orthonormal,
+    `estimators_` (k), `truncation_error_` (RMS of what the modes leave out, relative to the
+    RMS of the fluctuations; 0 for a constant field), `left_out_` (size,) its RMS by place.
+    """
+
+    def __init__(self, estimator, explained=0.9999):
+        self.estimator = estimator
+        self.explained = explained
+
+    def fit(self, X, y):
+        """Fit to coded points X (n, d) and fields y (n, ...)."""
+        flat = np.asarray(y, dtype=float).reshape(len(y), -1)
+        self.shape_ = np.shape(y)[1:]
+        self.mean_ = flat.mean(axis=0)
+        u, s, vt = np.linalg.svd(flat - self.mean_, full_matrices=False)
+        energy = np.cumsum(s**2)
+        # Differences within rounding of the values themselves are no mode.
+        if energy[-1] <= 1e-28 * (flat**2).sum():
+            count, self.truncation_error_ = 0, 0.0
+        else:
+            count = min(int(np.searchsorted(energy, self.explained * energy[-1])) + 1, len(s))
+            self.truncation_error_ = float(np.sqrt(max(1.0 - energy[count - 1] / energy[-1], 0.0)))
+        self.modes_ = vt[:count]
+        left = (u[:, count:] * s[count:]) @ vt[count:]
+        self.left_out_ = np.sqrt((left**2).mean(axis=0))
+        self.estimators_ = [clone(self.estimator).fit(X, u[:, k] * s[k]) for k in range(count)]
+        self.n_features_in_ = np.shape(X)[1]
+        return self
+
+    def minimum_runs(self, space) -> int:
+        """Runs that the regressor of one mode needs."""
+        offered = getattr(self.estimator, "minimum_runs", None)
+        return offered(space) if offered else 2
+
+    def predict(self, X, return_std=False):
+        """Fields (m, ...) at coded X (m, d).
+
+        With `return_std` (when the modes' regressor offers it) their standard deviations,
+        modes taken as independent and what they leave out included.
+        """
+        check_is_fitted(self)
+        answers = [model.predict(X, return_std=True) if return_std else (model.predict(X),)
+                   for model in self.estimators_]
+        amplitudes = np.array([answer[0] for answer in answers]).reshape(-1, len(X)).T
+        fields = (self.mean_ + amplitudes @ self.modes_).reshape(len(X), *self.shape_)
+        if not return_std:
+            return fields
+        spread = np.array([answer[1] for answer in answers]).reshape(-1, len(X)).T
+        variance = spread**2 @ self.modes_**2 + self.left_out_**2
+        return fields, np.sqrt(variance).reshape(len(X), *self.shape_)
+
+    def portable(self) -> dict:
+        """JSON-able description; see `surrogate.regressors.portable`."""
+        check_is_fitted(self)
+        return {"kind": "field", "shape": list(self.shape_), "mean": self.mean_.tolist(),
+                "modes": self.modes_.tolist(),
+                "amplitudes": [model.portable() for model in self.estimators_]}

@@ -1,0 +1,70 @@
+"""Surrogates as plain JSON, to be evaluated without this package.
+
+A description is a dict of `inputs`, in order, and a `model` on coded inputs x.
+
+inputs: each has `name`, `unit` and a `coding` of the physical value v
+  {"kind": "range", "low": a, "high": b}      x = 2 (v - a) / (b - a) - 1
+  {"kind": "levels", "levels": [names]}       x = 2 index / (k - 1) - 1
+  {"kind": "normal", "mean", "std"}           x = erf((v - mean) / (std sqrt 2))
+  {"kind": "lognormal", "mu", "sigma"}        x = erf((ln v - mu) / (sigma sqrt 2))
+
+columns (of the kinds `polynomial` and `gaussian_process`): {"input": i} is x_i;
+{"input": i, "level": l, "levels": k} is 1 where the level's index round((x_i + 1)
+(k - 1) / 2) is l, -1 where it is 0, and 0 elsewhere.
+
+model, by "kind":
+  polynomial   sum over `terms` of coefficient * prod column[j]^q, powers = [[j, q], ...]
+  chaos        sum over `terms` of coefficient * prod P_{i,q}(x_i), degrees = [[i, q], ...].
+               `bases`[i] is either {"alpha": [...], "beta": [...]}, for which
+               P_0 = 1, beta[k+1] P_{k+1} = (x - alpha[k]) P_k - beta[k] P_{k-1}, or
+               {"levels": k, "values": [[P_q at each level], ...]}
+  gaussian_process   offset + scale * (trend + sum_i weights[i] prod_j m(|c_j - points[i][j]|
+               / lengths[j])) with columns c, m(r) = (1 + s + s^2 / 3) exp(-s), s = sqrt(5) r;
+               `trend` is a list like the polynomial's `terms`
+  field        mean + sum_k mode_k * (surrogate k), flattened in C order to `shape`
+"""
+
+from __future__ import annotations
+
+import math
+
+from surrogate.errors import FitError
+from surrogate.regressors.columns import Column
+from surrogate.space import Parameter, Space
+
+FORMAT = "surrogate-studies portable surrogate"
+VERSION = 1
+
+
+def describe(space: Space, model: dict, *, surrogate: str, output: str) -> dict:
+    """The whole document of one output's surrogate."""
+    return {"format": FORMAT, "version": VERSION, "surrogate": surrogate, "output": output,
+            "inputs": [_input(parameter) for parameter in space.parameters], "model": model}
+
+
+def columns(of: tuple[Column, ...]) -> list[dict]:
+    """Columns as the module's first lines describe them."""
+    return [{"input": column.parameter, "level": column.level, "levels": column.levels}
+            if column.levels else {"input": column.parameter} for column in of]
+
+
+def _input(parameter: Parameter) -> dict:
+    return {"name": parameter.name, "unit": parameter.unit, "coding": _coding(parameter)}
+
+
+def _coding(parameter: Parameter) -> dict:
+    if parameter.categorical:
+        return {"kind": "levels", "levels": list(parameter.levels)}
+    low, high = parameter.distribution.support
+    if parameter.bounded:
+        return {"kind": "range", "low": low, "high": high}
+    words = dict(parameter.distribution.words)
+    law = words["distribution"]
+    if law == "normal" and "range" not in words:
+        return {"kind": "normal", "mean": words["mean"], "std": words["std"]}
+    if law == "lognormal" and "range" not in words:
+        sigma = math.sqrt(math.log1p((words["std"] / words["mean"]) ** 2))
+        return {"kind": "lognormal", "mu": math.log(words["mean"]) - sigma**2 / 2.0,
+                "sigma": sigma}
+    raise FitError(f"{parameter.name}: a surrogate of an unbounded {parameter.distribution} input "
+                   "cannot be exported; give it a range [smallest, largest]")
