@@ -1,0 +1,256 @@
+"""Runs the solver where the journal has no answer yet.
+
+Nothing that a run does can harm another one: an exception, a wrong answer, a
+crash, a hang each cost one row, with a sentence that says what happened. What is
+finished is in the journal, whenever and however the program ends.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import Any
+
+from surrogate.errors import StudyError, SurrogateError
+from surrogate.identity import Recipe, calls, keys
+from surrogate.journal import Journal, Record
+from surrogate.pool import TICK, Event, Pool, Task
+from surrogate.solver import Output
+from surrogate.workers import Built, Outcome
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far the runs are.
+
+    total         different runs that the designs ask for
+    reused        of these, found in the journal
+    done          of these, finished now or before, failed ones included
+    failed        of these, without an answer (failed or timed out)
+    seconds_left  estimate from the runs of this time, None before the first
+    """
+
+    total: int
+    reused: int = 0
+    done: int = 0
+    failed: int = 0
+    seconds_left: float | None = None
+
+
+def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
+            constants: Mapping[str, Any] | None = None, outputs: Iterable[str] | None = None,
+            workers: int | None = None, threads: int | None = None,
+            timeout: float | None = None, retries: int = 0, rerun: Iterable[str] = (),
+            executor: Executor | None = None,
+            progress: Callable[[Progress], None] | None = None) -> Progress:
+    """Run the solver at each row of `columns` that the journal does not have; return the tally.
+
+    columns    physical values, name -> (run,); equal rows run once (deterministic solvers)
+    journal    folder of the journal
+    outputs    names of the outputs to keep; None keeps all
+    workers    processes, or runs at a time in `executor`; None: as many as there are cores
+    threads    of numerical libraries in each worker; None: cores / workers
+    timeout    seconds that one run may take; None for any. A run that takes longer is killed
+    retries    more attempts for a run that crashed, hung or raised. An answer of a
+               deterministic solver, `SolverError` included, is not asked for again
+    rerun      statuses of earlier runs to do again: "failed", "timed_out". Runs that timed
+               out under a shorter limit than today's are done again in any case
+    executor   any concurrent.futures executor. It cannot kill a run: one over time is given
+               up and its place in the executor stays taken
+    progress   called with a `Progress` at the start and after each run
+
+    Raises KeyboardInterrupt after Ctrl-C or SIGTERM when all that was finished is kept;
+    `ResultsError` when the journal is in use or the disk full; `StudyError` for wrong
+    arguments; `PluginError` when workers cannot build the solver.
+    """
+    _check(workers, threads, timeout, retries, rerun)
+    wanted = recipe.wanted(outputs)
+    asked = calls(recipe, columns, constants)
+    runs = dict(zip(keys(recipe, asked), asked, strict=True))
+    with Journal(journal) as book:
+        queue = deque(Task(key, call) for key, call in runs.items()
+                      if not _settled(book.records.get(key), wanted, timeout, rerun))
+        tally = _Tally(Progress(len(runs)), progress or (lambda _: None))
+        tally.start([book.records[key] for key in runs.keys() - {task.key for task in queue}])
+        if queue:
+            workers = min(workers or cores(), len(queue))
+            threads = threads or max(1, cores() // workers)
+            with _stop_on_signals() as stopping:
+                source = (Pool(recipe, wanted, workers, threads, timeout).results(queue, stopping)
+                          if executor is None else
+                          _elsewhere(executor, recipe, wanted, workers, timeout, queue, stopping))
+                with closing(source):
+                    _record(source, queue, book, tally, recipe, timeout, retries, workers)
+                if stopping():
+                    raise KeyboardInterrupt(f"stopped: {tally.now.done} of {tally.now.total} runs "
+                                            "are done and kept; run again to go on")
+    return tally.now
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _check(workers, threads, timeout, retries, rerun) -> None:
+    mistakes = [f"{name}: {value} must be 1 or more"
+                for name, value in (("workers", workers), ("threads", threads))
+                if value is not None and value < 1]
+    if timeout is not None and not timeout > 0:
+        mistakes.append(f"timeout: {timeout:g} s must be above 0")
+    if retries < 0:
+        mistakes.append(f"retries: {retries} must be 0 or more")
+    mistakes += [f"rerun: '{status}' is unknown; use failed or timed_out"
+                 for status in rerun if status not in ("failed", "timed_out")]
+    if mistakes:
+        raise StudyError(*mistakes)
+
+
+def _settled(record: Record | None, wanted: Iterable[str], timeout: float | None,
+             rerun: Iterable[str]) -> bool:
+    """True when a run need not be done (again)."""
+    if record is None:
+        return False
+    if record.status == "ok":
+        return record.holds(wanted)
+    if record.status == "timed_out" and record.limit is not None:
+        if timeout is None or timeout > record.limit:
+            return False
+    return record.status not in rerun
+
+
+def _record(source: Iterator[Event], queue: deque[Task], book: Journal, tally: _Tally,
+            recipe: Recipe, timeout: float | None, retries: int, workers: int) -> None:
+    """Write what comes from `source` into the journal; put failed runs back while they may."""
+    described = {"solver": recipe.name, "version": str(recipe.solver.version),
+                 "options": recipe.plain_options}
+    for event in source:
+        if event is None:
+            book.sync()
+            continue
+        task, outcome = event
+        task.attempts += 1
+        decided = outcome.answered and (recipe.deterministic or outcome.status == "ok")
+        if outcome.status != "ok" and not decided and task.attempts <= retries:
+            queue.append(task)
+            continue
+        record = Record(task.key, task.call, outcome.status, outcome.message, outcome.seconds,
+                        task.attempts, time.time(), timeout, outcome.outputs, solver=described)
+        book.append(record, outcome.fields)
+        tally.add(record, workers)
+
+
+class _Tally:
+    """Counts runs and tells the listener."""
+
+    def __init__(self, now: Progress, listener: Callable[[Progress], None]):
+        self.now, self.listener = now, listener
+        self.seconds, self.runs = 0.0, 0
+
+    def start(self, records: list[Record]) -> None:
+        failed = sum(record.status != "ok" for record in records)
+        self.now = replace(self.now, reused=len(records), done=len(records), failed=failed)
+        self.listener(self.now)
+
+    def add(self, record: Record, workers: int) -> None:
+        self.seconds, self.runs = self.seconds + record.seconds * record.attempts, self.runs + 1
+        done = self.now.done + 1
+        left = (self.now.total - done) * self.seconds / self.runs / workers
+        self.now = Progress(self.now.total, self.now.reused, done,
+                            self.now.failed + (record.status != "ok"), left)
+        self.listener(self.now)
+
+
+@contextmanager
+def _stop_on_signals() -> Iterator[Callable[[], bool]]:
+    """A question that is True after Ctrl-C or SIGTERM; the second one interrupts at once.
+
+    Only the main thread can listen to signals; in others the question stays False.
+    """
+    caught: list[int] = []
+
+    def handle(number, frame) -> None:
+        if caught:
+            raise KeyboardInterrupt
+        caught.append(number)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield lambda: bool(caught)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _elsewhere(executor: Executor, recipe: Recipe, wanted: Mapping[str, Output], places: int,
+               timeout: float | None, queue: deque[Task],
+               stopping: Callable[[], bool]) -> Iterator[Event]:
+    """Like `Pool.results`, in somebody's executor, at most `places` runs at a time."""
+    token, options = uuid.uuid4().hex, dict(recipe.options)
+    finished: SimpleQueue[Future] = SimpleQueue()
+    going: dict[Future, tuple[Task, float | None]] = {}
+    lost: list[Future] = []
+    try:
+        while not stopping() and (queue or going):
+            while queue and len(going) < places:
+                task = queue.popleft()
+                future = executor.submit(Built.evaluate, token, recipe.build, options, task.call,
+                                         wanted)
+                going[future] = task, None
+                future.add_done_callback(finished.put)
+            with suppress(Empty):
+                future = finished.get(timeout=TICK)
+                if future in going:
+                    yield going.pop(future)[0], _outcome(future)
+            yield from _give_up_overdue(going, lost, timeout)
+            if sum(not future.done() for future in lost) >= places:
+                raise SurrogateError(f"all {places} places of the executor are taken by runs over "
+                                     f"the time limit of {timeout:g} s; the runs finished so far "
+                                     "are kept. Local workers (no executor) can stop such runs")
+            yield None
+        for future in [future for future in going if future.done()]:
+            yield going.pop(future)[0], _outcome(future)
+    finally:
+        for future in going:
+            future.cancel()
+
+
+def _outcome(future: Future) -> Outcome:
+    try:
+        return future.result()
+    except (BrokenExecutor, CancelledError) as error:
+        raise SurrogateError(f"the executor stopped working ({type(error).__name__}: {error}); the "
+                             "runs finished so far are kept. Local workers (no executor) survive "
+                             "a solver that crashes") from error
+    except Exception as error:  # the executor's own trouble: pickling, a lost machine
+        return Outcome("failed", f"{type(error).__name__}: {error}", 0.0, answered=False)
+
+
+def _give_up_overdue(going: dict[Future, tuple[Task, float | None]], lost: list[Future],
+                     timeout: float | None) -> Iterator[Event]:
+    if timeout is None:
+        return
+    now = time.monotonic()
+    for future, (task, since) in list(going.items()):
+        if since is None and future.running():
+            going[future] = task, now
+        elif since is not None and now - since >= timeout and not future.done():
+            del going[future]
+            lost.append(future)
+            yield task, Outcome("timed_out", f"given up after {timeout:g} s, the time limit of a "
+                                "run; the executor cannot stop it", now - since, answered=False)

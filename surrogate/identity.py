@@ -1,0 +1,141 @@
+"""What makes two runs the same run.
+
+A run is the call of one version of one solver, with its options, at one set of
+inputs. Constants and the solver's nominal values are inputs like the others, so
+a parameter that is frozen at a value keeps the runs that already had that value.
+A solver with the attribute `deterministic = False` may answer the same call
+differently: then the number of the repetition belongs to the run too.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from surrogate.errors import StudyError, nearest
+from surrogate.solver import Input, Output, Solver
+
+Call = dict[str, float | str]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A solver and how to build it again in another process.
+
+    name     the name that the study uses; part of every run's identity
+    build    class or function; `build(**options)` is the solver. It has to be importable by
+             module and name, the solver that it returns need not be picklable
+    options  plain values (text, numbers, lists, mappings)
+    """
+
+    name: str
+    build: Callable[..., Solver]
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def solver(self) -> Solver:
+        """The solver, built once in this process."""
+        return self.build(**self.options)
+
+    @property
+    def deterministic(self) -> bool:
+        """False when the solver says that it answers the same call differently."""
+        return bool(getattr(self.solver, "deterministic", True))
+
+    @property
+    def context(self) -> str:
+        """Name, version and options as canonical JSON: all of a run's identity but its inputs."""
+        version = str(self.solver.version)
+        return canonical({"solver": self.name, "version": version, "options": self.options})
+
+    @property
+    def plain_options(self) -> dict[str, Any]:
+        """The options as JSON would give them back."""
+        return json.loads(canonical(self.options))
+
+    def wanted(self, names: Iterable[str] | None = None) -> dict[str, Output]:
+        """The outputs called `names`, or all that the solver offers when None."""
+        offered = self.solver.outputs
+        chosen = list(offered) if names is None else list(names)
+        mistakes = [f"output '{name}' is unknown; {nearest(name, offered)}"
+                    for name in chosen if name not in offered]
+        if mistakes:
+            raise StudyError(*mistakes)
+        return {name: offered[name] for name in chosen}
+
+
+def calls(recipe: Recipe, columns: Mapping[str, Any],
+          constants: Mapping[str, Any] | None = None) -> list[Call]:
+    """The solver's keyword arguments for each run: nominal values, constants, columns.
+
+    columns: physical values, name -> (run,). Raises `StudyError` for an input that the
+    solver does not have, lacks, or that is not a finite number or a known level.
+    """
+    inputs, constants = recipe.solver.inputs, dict(constants or {})
+    given = {**constants, **columns}
+    mistakes = [f"{recipe.name} has no input '{name}'; {nearest(name, inputs)}"
+                for name in given if name not in inputs]
+    mistakes += [f"{recipe.name} needs a value for '{name}'; make it a parameter or a constant"
+                 for name, one in inputs.items() if name not in given and one.nominal is None]
+    if mistakes:
+        raise StudyError(*mistakes)
+    nominal = {name: one.nominal for name, one in inputs.items() if name not in given}
+    fixed = {name: _value(name, inputs[name], value)
+             for name, value in {**nominal, **constants}.items() if name not in columns}
+    varied = [[_value(name, inputs[name], value) for value in np.atleast_1d(column).tolist()]
+              for name, column in columns.items()]
+    return [{**fixed, **dict(zip(columns, row, strict=True))} for row in zip(*varied, strict=True)]
+
+
+def _value(name: str, one: Input, value: Any) -> float | str:
+    if one.levels:
+        if str(value) not in one.levels:
+            raise StudyError(f"{name}: '{value}' is not a level; {nearest(value, one.levels)}")
+        return str(value)
+    try:
+        number = float(value) + 0.0  # -0.0 and 0.0 are one value
+    except (TypeError, ValueError):
+        raise StudyError(f"{name}: '{value}' is not a number") from None
+    if not np.isfinite(number):
+        raise StudyError(f"{name}: {number} is not finite; check the design of this parameter")
+    return number
+
+
+def keys(recipe: Recipe, calls: Iterable[Call]) -> list[str]:
+    """Identity of each run, 32 hexadecimal digits; equal for equal runs."""
+    start = hashlib.sha256(recipe.context.encode())
+    repeated, deterministic = Counter(), recipe.deterministic
+    result = []
+    for call in calls:
+        text = json.dumps(call, sort_keys=True)
+        digest = start.copy()
+        digest.update(text.encode())
+        if not deterministic:
+            digest.update(b"#%d" % repeated[text])
+            repeated[text] += 1
+        result.append(digest.hexdigest()[:32])
+    return result
+
+
+def canonical(value: Any) -> str:
+    """JSON in which equal values are equal text: sorted keys, floats to the last digit."""
+    return json.dumps(value, sort_keys=True, default=_plain)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return dict(value)
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise StudyError(f"{value!r} cannot be written down as an option; use text, numbers, "
+                     "lists or mappings")

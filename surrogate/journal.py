@@ -1,0 +1,301 @@
+"""The journal: one record per finished run, appended; the truth while runs go on.
+
+    journal/runs.jsonl   a line of JSON per finished run
+    journal/fields.bin   little-endian doubles of array outputs, end to end
+    journal/lock         who writes now
+
+A run's arrays are written before its line, and its line counts only when it is
+complete and the arrays pass their checksum. So the process may be killed at any
+moment: what is torn is cut off at the next start and that run is done again.
+Both files reach the disk itself at most `SYNC_SECONDS` after a record.
+"""
+
+from __future__ import annotations
+
+import json
+import mmap
+import os
+import socket
+import time
+import zlib
+from collections.abc import Mapping
+from contextlib import nullcontext, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surrogate.errors import ResultsError
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None
+    import msvcrt
+
+SYNC_SECONDS = 0.5
+RECORDS, FIELDS, LOCK = "runs.jsonl", "fields.bin", "lock"
+
+#: Locks of POSIX keep other processes out; this keeps out the same process.
+_HELD: set[str] = set()
+
+
+@dataclass(frozen=True)
+class Record:
+    """One finished run.
+
+    key       identity (surrogate.identity.keys)
+    inputs    what the solver was called with
+    status    ok, failed or timed_out; `message` says why
+    seconds   duration of the last attempt; `limit` the time it was allowed, None for any
+    finished  seconds since 1970 (UTC)
+    outputs   scalar outputs by name
+    fields    array outputs by name: {"offset": bytes, "shape": [...], "crc": checksum}
+    solver    {"solver": name, "version": ..., "options": ...}
+    """
+
+    key: str
+    inputs: Mapping[str, float | str]
+    status: str
+    message: str
+    seconds: float
+    attempts: int
+    finished: float
+    limit: float | None = None
+    outputs: Mapping[str, float] = field(default_factory=dict)
+    fields: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    solver: Mapping[str, Any] = field(default_factory=dict)
+
+    def holds(self, names) -> bool:
+        """True for a good run in which all outputs called `names` were kept."""
+        return self.status == "ok" and all(n in self.outputs or n in self.fields for n in names)
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a journal held when it was read: records by key, and bytes that count."""
+
+    records: dict[str, Record]
+    folder: Path
+    length: int = 0
+    dropped: int = 0
+
+    def values(self, record: Record, name: str) -> float | np.ndarray:
+        """Output `name` of a record: a float, or an array of doubles read from the disk."""
+        if name in record.outputs:
+            return record.outputs[name]
+        place = record.fields[name]
+        count = int(np.prod(place["shape"], dtype=int))
+        data = np.fromfile(self.folder / FIELDS, dtype="<f8", count=count, offset=place["offset"])
+        return data.reshape(place["shape"])
+
+
+def read(folder: str | Path) -> Contents:
+    """All whole records of the journal in `folder`; the last one of a key counts.
+
+    Changes nothing, so it is safe while another process writes. A journal that does not
+    exist is empty. Damaged lines are left out and counted in `dropped`.
+    """
+    folder = Path(folder)
+    try:
+        data = (folder / RECORDS).read_bytes()
+    except FileNotFoundError:
+        return Contents({}, folder)
+    length = data.rfind(b"\n") + 1
+    records, dropped = {}, int(length < len(data))
+    with _Fields(folder / FIELDS) as fields:
+        for line in data[:length].splitlines():
+            record = _parse(line)
+            if record is None or not all(map(fields.whole, record.fields.values())):
+                dropped += 1
+            else:
+                records[record.key] = record
+    return Contents(records, folder, length, dropped)
+
+
+def _parse(line: bytes) -> Record | None:
+    try:
+        return Record(**json.loads(line))
+    except (ValueError, TypeError):
+        return None
+
+
+class _Fields:
+    """The file of arrays, mapped for checking."""
+
+    def __init__(self, path: Path):
+        self.data: Any = b""
+        with suppress(FileNotFoundError, ValueError), open(path, "rb") as file:
+            self.data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+    def __enter__(self) -> _Fields:
+        return self
+
+    def __exit__(self, *error) -> None:
+        if self.data:
+            self.data.close()
+
+    def whole(self, place: Mapping[str, Any]) -> bool:
+        """True when the array is there to its last byte and unchanged."""
+        end = place["offset"] + 8 * int(np.prod(place["shape"], dtype=int))
+        if end > len(self.data):
+            return False
+        with memoryview(self.data) as view, view[place["offset"]:end] as part:
+            return zlib.crc32(part) == place["crc"]
+
+
+class Journal:
+    """A journal open for writing; use as `with Journal(folder) as journal`.
+
+    Entering takes the lock, cuts off a torn end and reads what is there into
+    `contents`. Raises `ResultsError` when another process writes to it.
+    """
+
+    def __init__(self, folder: str | Path):
+        self.folder = Path(folder)
+        self.contents = Contents({}, self.folder)
+        self._unsynced_since: float | None = None
+
+    @property
+    def records(self) -> dict[str, Record]:
+        """Records by key, those appended since included."""
+        return self.contents.records
+
+    def __enter__(self) -> Journal:
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._lock = _take_lock(self.folder / LOCK)
+        except OSError as error:
+            raise _trouble(self.folder, error) from error
+        try:
+            self.contents = read(self.folder)
+            self._records = _Appending(self.folder / RECORDS, cut=self.contents.length)
+            self._fields = _Appending(self.folder / FIELDS)
+        except BaseException as error:
+            _give_back(self.folder / LOCK, self._lock)
+            if isinstance(error, OSError):
+                raise _trouble(self.folder, error) from error
+            raise
+        return self
+
+    def __exit__(self, *error) -> None:
+        try:
+            with suppress(ResultsError) if error[0] else nullcontext():
+                self._sync()
+        finally:
+            self._records.close()
+            self._fields.close()
+            _give_back(self.folder / LOCK, self._lock)
+
+    def append(self, record: Record, fields: Mapping[str, np.ndarray] | None = None) -> None:
+        """Add a finished run, its arrays first.
+
+        Raises `ResultsError` when the disk takes no more; what was there before stays whole.
+        """
+        try:
+            places = {name: self._write_field(array) for name, array in (fields or {}).items()}
+            whole = {**vars(record), "fields": places}
+            self._records.write(json.dumps(whole, allow_nan=False).encode() + b"\n")
+        except OSError as error:
+            raise _trouble(self.folder, error) from error
+        self.records[record.key] = Record(**whole)
+        if self._unsynced_since is None:
+            self._unsynced_since = time.monotonic()
+        self.sync()
+
+    def _write_field(self, array: np.ndarray) -> dict[str, Any]:
+        data = np.asarray(array, dtype="<f8").tobytes()
+        offset = self._fields.write(data)
+        return {"offset": offset, "shape": list(np.shape(array)), "crc": zlib.crc32(data)}
+
+    def sync(self) -> None:
+        """Force what was appended onto the disk, when some of it waits too long."""
+        since = self._unsynced_since
+        if since is not None and time.monotonic() - since >= SYNC_SECONDS:
+            self._sync()
+
+    def _sync(self) -> None:
+        try:
+            self._fields.sync()
+            self._records.sync()
+        except OSError as error:
+            raise _trouble(self.folder, error) from error
+        self._unsynced_since = None
+
+
+class _Appending:
+    """A file that only grows, by whole pieces: a piece that does not fit is taken back."""
+
+    def __init__(self, path: Path, cut: int | None = None):
+        binary = getattr(os, "O_BINARY", 0)
+        self.file = os.open(path, os.O_WRONLY | os.O_CREAT | binary, 0o666)
+        if cut is not None and cut < os.fstat(self.file).st_size:
+            os.ftruncate(self.file, cut)
+        self.end = os.lseek(self.file, 0, os.SEEK_END)
+        self.clean = True
+
+    def write(self, data: bytes) -> int:
+        """Offset at which `data` now stands."""
+        start, view = self.end, memoryview(data)
+        try:
+            while view:
+                view = view[os.write(self.file, view):]
+        except OSError:
+            os.ftruncate(self.file, start)
+            os.lseek(self.file, start, os.SEEK_SET)
+            raise
+        self.end, self.clean = start + len(data), False
+        return start
+
+    def sync(self) -> None:
+        if not self.clean:
+            os.fsync(self.file)
+            self.clean = True
+
+    def close(self) -> None:
+        os.close(self.file)
+
+
+def _trouble(folder: Path, error: OSError) -> ResultsError:
+    return ResultsError(f"cannot write to {folder}: {error.strerror or error}; the runs finished "
+                        "so far are kept. Make room or choose another folder, then run again")
+
+
+def _take_lock(path: Path) -> int:
+    """Descriptor that holds the lock; the system frees it when this process ends, however."""
+    name = os.path.realpath(path)
+    if name in _HELD:
+        raise ResultsError(f"{path.parent} is in use by this process already; "
+                           "wait until its other study is done")
+    lock = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        if fcntl:
+            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        else:
+            msvcrt.locking(lock, msvcrt.LK_NBLCK, 1)
+    except (BlockingIOError, PermissionError):
+        holder = _holder(path)
+        os.close(lock)
+        raise ResultsError(f"{path.parent} is in use by {holder}; "
+                           "wait for it, or stop it, then run again") from None
+    except OSError:
+        os.close(lock)
+        raise
+    with suppress(OSError):  # the lock holds even where the disk has no room for the name
+        os.ftruncate(lock, 0)
+        os.write(lock, f"process {os.getpid()} on {socket.gethostname()}, "
+                       f"since {time.strftime('%Y-%m-%d %H:%M:%S')}".encode())
+    _HELD.add(name)
+    return lock
+
+
+def _holder(path: Path) -> str:
+    with suppress(OSError):
+        return path.read_text().strip() or "another process"
+    return "another process"
+
+
+def _give_back(path: Path, lock: int) -> None:
+    _HELD.discard(os.path.realpath(path))
+    os.close(lock)

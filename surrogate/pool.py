@@ -1,0 +1,287 @@
+"""Local worker processes, one pipe each, so that the loss of one harms no other.
+
+Workers are spawned, not forked: a fork copies the parent's threads' locks in
+whatever state they are (BLAS, progress bar), which hangs now and then, and
+limits of threads have to be set before libraries load. Spawning costs an
+interpreter start per worker, once.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import tempfile
+import time
+import types
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Any
+
+from surrogate.errors import PluginError, StudyError
+from surrogate.identity import Call, Recipe
+from surrogate.solver import Output
+from surrogate.workers import BATCH_SECONDS, Outcome, work
+
+#: Longest pause between two looks at the clock, in seconds.
+TICK = 0.2
+
+#: Most runs in one message: bounds what a message and a lost batch can hold.
+LARGEST_BATCH = 100
+
+#: Workers that may die in a row before they have built the solver.
+FALSE_STARTS = 3
+
+
+@dataclass
+class Task:
+    """A run to do: its key, the solver's arguments, and the attempts made so far."""
+
+    key: str
+    call: Call
+    attempts: int = 0
+
+
+Event = tuple[Task, Outcome] | None
+
+
+@dataclass
+class _Worker:
+    process: multiprocessing.process.BaseProcess
+    connection: Connection
+    printed: Path
+    ready: bool = False
+    busy: bool = False
+    tasks: deque[Task] = field(default_factory=deque)
+    since: float = 0.0
+
+    def kill(self) -> None:
+        """End the worker and what it started."""
+        with suppress(ProcessLookupError, PermissionError):
+            if hasattr(os, "killpg"):
+                os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.kill()
+        self.process.join()
+        self.connection.close()
+
+    def last_words(self) -> str:
+        """Last line that the worker printed, as the end of a sentence."""
+        with suppress(OSError):
+            lines = self.printed.read_text(errors="replace").strip().splitlines()
+            if lines:
+                return f"; it printed last: {lines[-1].strip()[:200]}"
+        return ""
+
+
+@dataclass
+class Pool:
+    """`workers` processes that answer the tasks of a queue.
+
+    threads  for numerical libraries in each worker; timeout: seconds a run may take, or None
+    """
+
+    recipe: Recipe
+    wanted: Mapping[str, Output]
+    workers: int
+    threads: int
+    timeout: float | None = None
+
+    def __post_init__(self):
+        self._pickled, self._needs_main = _pickle(self.recipe)
+        self._team: list[_Worker] = []
+        self._false_starts = 0
+        self._mean_seconds: float | None = None
+
+    def results(self, queue: deque[Task], stopping: Callable[[], bool]) -> Iterator[Event]:
+        """Yield (task, outcome) as runs end, and None now and then when none does.
+
+        Whoever consumes it may append tasks to the queue. It ends when the queue is empty
+        and no run goes on, or after `stopping()`: then finished runs are still yielded and
+        the others are given up. Raises `PluginError` when workers cannot build the solver.
+        """
+        with tempfile.TemporaryDirectory(prefix="surrogate-") as folder:
+            try:
+                while not stopping() and (queue or any(w.tasks for w in self._team)):
+                    self._hire(Path(folder), queue)
+                    self._feed(queue)
+                    yield from self._listen(queue)
+                    yield from self._end_overdue(queue)
+                    yield None
+                for worker in self._team:
+                    yield from self._drain(worker, queue)
+            finally:
+                self._dismiss()
+
+    def _hire(self, folder: Path, queue: deque[Task]) -> None:
+        needed = min(self.workers, len(queue) + sum(bool(w.tasks) for w in self._team))
+        while len(self._team) < needed:
+            self._team.append(self._start(folder))
+
+    def _start(self, folder: Path) -> _Worker:
+        context = multiprocessing.get_context("spawn")
+        ours, theirs = context.Pipe()
+        number, printed = tempfile.mkstemp(dir=folder)
+        os.close(number)
+        process = context.Process(target=work, name=f"surrogate worker ({self.recipe.name})",
+                                  args=(theirs, self._pickled, self.wanted, self.threads, printed))
+        with nullcontext() if self._needs_main else _main_module_left_alone():
+            process.start()
+        theirs.close()
+        return _Worker(process, ours, Path(printed))
+
+    def _feed(self, queue: deque[Task]) -> None:
+        for worker in self._team:
+            if queue and worker.ready and not worker.busy:
+                batch = [queue.popleft() for _ in range(self._batch_size(len(queue)))]
+                worker.tasks.extend(batch)
+                worker.busy, worker.since = True, time.monotonic()
+                with suppress(OSError):  # a worker that just died is found by _listen
+                    worker.connection.send([(i, task.call) for i, task in enumerate(batch)])
+
+    def _batch_size(self, waiting: int) -> int:
+        """Runs that fill `BATCH_SECONDS`, at most a fair share of those that wait."""
+        if self._mean_seconds is None:
+            return 1
+        fitting = BATCH_SECONDS / max(self._mean_seconds, 1e-6)
+        share = -(-waiting // (2 * self.workers))
+        return max(1, min(int(fitting), share, LARGEST_BATCH))
+
+    def _listen(self, queue: deque[Task]) -> Iterator[Event]:
+        pause = TICK
+        if self.timeout is not None:
+            ends = [w.since + self.timeout for w in self._team if w.tasks]
+            pause = max(0.0, min([TICK, *(end - time.monotonic() for end in ends)]))
+        heard = set(wait([w.connection for w in self._team], pause))
+        for worker in list(self._team):
+            alive = True
+            if worker.connection in heard:
+                alive, event = self._receive(worker, queue)
+                if event:
+                    yield event
+            elif not heard:
+                alive = worker.process.is_alive()
+            if not alive:
+                yield from self._bury(worker, queue)
+
+    def _receive(self, worker: _Worker, queue: deque[Task]) -> tuple[bool, Event]:
+        """Whether the worker still talks, and the run that it tells of."""
+        try:
+            message = worker.connection.recv()
+        except (EOFError, OSError, pickle.UnpicklingError):
+            return False, None
+        if isinstance(message, str):
+            raise PluginError(f"solver {self.recipe.name} cannot be built in a worker process: "
+                              f"{message}")
+        if message is None:
+            worker.ready, worker.busy, self._false_starts = True, False, 0
+            queue.extendleft(reversed(worker.tasks))
+            worker.tasks.clear()
+            return True, None
+        task, outcome = worker.tasks.popleft(), message[1]
+        worker.since = time.monotonic()
+        mean = self._mean_seconds
+        self._mean_seconds = outcome.seconds if mean is None else 0.9 * mean + 0.1 * outcome.seconds
+        return True, (task, outcome)
+
+    def _drain(self, worker: _Worker, queue: deque[Task]) -> Iterator[Event]:
+        """Runs that the worker finished and that still lie in its pipe."""
+        talks = True
+        while talks and worker.connection.poll():
+            talks, event = self._receive(worker, queue)
+            if event:
+                yield event
+
+    def _bury(self, worker: _Worker, queue: deque[Task]) -> Iterator[Event]:
+        """Take a dead worker out: the run that it was at failed, the others wait again."""
+        yield from self._drain(worker, queue)
+        self._team.remove(worker)
+        worker.process.join(TICK)
+        worker.kill()
+        reason = f"the worker {_cause(worker.process.exitcode)}{worker.last_words()}"
+        if not worker.ready:
+            self._false_starts += 1
+            if self._false_starts >= FALSE_STARTS:
+                raise PluginError(f"solver {self.recipe.name} cannot be built in a worker "
+                                  f"process: {reason}")
+        yield from self._lose_run(worker, queue, "failed", reason)
+
+    def _end_overdue(self, queue: deque[Task]) -> Iterator[Event]:
+        if self.timeout is None:
+            return
+        for worker in list(self._team):
+            if worker.tasks and time.monotonic() - worker.since >= self.timeout:
+                head = worker.tasks[0]
+                yield from self._drain(worker, queue)
+                if worker.tasks and worker.tasks[0] is head:
+                    self._team.remove(worker)
+                    worker.kill()
+                    message = f"stopped after {self.timeout:g} s, the time limit of a run"
+                    yield from self._lose_run(worker, queue, "timed_out",
+                                              message + worker.last_words())
+
+    def _lose_run(self, worker: _Worker, queue: deque[Task], status: str,
+                  message: str) -> Iterator[Event]:
+        if worker.tasks:
+            task = worker.tasks.popleft()
+            queue.extendleft(reversed(worker.tasks))
+            worker.tasks.clear()
+            seconds = time.monotonic() - worker.since
+            yield task, Outcome(status, message, seconds, answered=False)
+
+    def _dismiss(self) -> None:
+        """End all workers; idle ones may leave by themselves first."""
+        for worker in self._team:
+            if worker.ready and not worker.busy:
+                with suppress(OSError):
+                    worker.connection.send(None)
+        end = time.monotonic() + 1.0
+        for worker in self._team:
+            if worker.ready and not worker.busy:
+                worker.process.join(max(0.0, end - time.monotonic()))
+            worker.kill()
+        self._team.clear()
+
+
+def _cause(exitcode: int | None) -> str:
+    if exitcode is None or exitcode >= 0:
+        return f"ended by itself with exit code {exitcode}"
+    with suppress(ValueError):
+        name = signal.Signals(-exitcode).name
+        hint = ", which the system sends when memory runs out" if name == "SIGKILL" else ""
+        return f"was killed by {name}{hint}"
+    return f"was killed by signal {-exitcode}"
+
+
+def _pickle(recipe: Recipe) -> tuple[bytes, bool]:
+    """(build, options) for a worker, and whether it needs the program's main module."""
+    cure = ("workers cannot import it; put it into a module file, or pass an executor "
+            "of threads: executor=ThreadPoolExecutor()")
+    needs_main = getattr(recipe.build, "__module__", None) == "__main__"
+    if needs_main and not hasattr(sys.modules["__main__"], "__file__"):
+        raise StudyError(f"solver {recipe.name} is defined in an interactive session, and {cure}")
+    try:
+        return pickle.dumps((recipe.build, dict(recipe.options))), needs_main
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise StudyError(f"solver {recipe.name} cannot be sent to workers ({error}): "
+                         f"{cure}") from error
+
+
+@contextmanager
+def _main_module_left_alone() -> Iterator[None]:
+    """Start a process that does not run the program's main module again.
+
+    multiprocessing would import it into every worker: slow for a command, and wrong for
+    a script without `if __name__ == "__main__"`.
+    """
+    main: Any = sys.modules["__main__"]
+    sys.modules["__main__"] = types.ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main

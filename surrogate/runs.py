@@ -1,0 +1,282 @@
+"""The runs dataset: every run of a study, in the words of its user, with its history.
+
+Dimensions `run`, `parameter` and those of the outputs. Variables `coded`, each
+parameter and each output under its own name, `design`, `status`, `message`,
+`seconds`, `attempts`, `finished`. A run without an answer is a row of NaN.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import tempfile
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from surrogate.errors import ResultsError, StudyError, nearest
+from surrogate.identity import Recipe, calls, canonical, keys
+from surrogate.journal import Contents, Record
+from surrogate.solver import Output
+from surrogate.space import Space
+
+#: Names that a study's parameters, outputs and outputs' dimensions cannot have.
+RESERVED_NAMES = frozenset({"run", "parameter", "coded", "design", "status", "message",
+                            "seconds", "attempts", "finished"})
+
+#: Status of a row: has an answer, has none, took too long, was not run yet.
+STATUSES = ("ok", "failed", "timed_out", "missing")
+
+#: Distributions whose versions a dataset remembers.
+REMEMBERED = ("surrogate-studies", "numpy", "scipy", "scikit-learn", "xarray", "scikit-fem")
+
+Designs = Mapping[str, np.ndarray]
+
+
+def name_mistakes(space: Space, outputs: Mapping[str, Output]) -> list[str]:
+    """A sentence for each name that would stand for two things in one dataset."""
+    reserved = f"reserved in the runs dataset ({', '.join(sorted(RESERVED_NAMES))}); rename it"
+    dims = {dim: name for name, output in outputs.items() for dim in output.dims}
+    mistakes = [f"parameter '{name}': the name is {reserved}"
+                for name in space.names if name in RESERVED_NAMES]
+    mistakes += [f"output '{name}': the name is {reserved}"
+                 for name in outputs if name in RESERVED_NAMES]
+    mistakes += [f"dimension '{dim}' of output '{name}': the name is {reserved}"
+                 for dim, name in dims.items() if dim in RESERVED_NAMES]
+    mistakes += [f"'{name}' is both a parameter and an output; rename one"
+                 for name in space.names if name in outputs]
+    mistakes += [f"'{dim}' is both a dimension of output '{name}' and a parameter or output; "
+                 "rename one" for dim, name in dims.items()
+                 if dim in space.names or dim in outputs]
+    return mistakes + _coordinate_mistakes(outputs)
+
+
+def _coordinate_mistakes(outputs: Mapping[str, Output]) -> list[str]:
+    first: dict[str, str] = {}
+    mistakes = []
+    for name, output in outputs.items():
+        for dim in output.dims:
+            other = first.setdefault(dim, name)
+            if not np.array_equal(output.coordinates[dim], outputs[other].coordinates[dim]):
+                mistakes.append(f"outputs '{other}' and '{name}' have different coordinates along "
+                                f"'{dim}'; give one of the dimensions another name")
+    return mistakes
+
+
+def columns(space: Space, designs: Designs) -> dict[str, np.ndarray]:
+    """Physical values, name -> (run,), of all designs' coded points one after the other."""
+    return space.decode(np.concatenate([np.atleast_2d(coded) for coded in designs.values()]))
+
+
+def assemble(space: Space, designs: Designs, recipe: Recipe, journal: Contents, *,
+             constants: Mapping[str, Any] | None = None, outputs: Iterable[str] | None = None,
+             study: str = "", seeds: Mapping[str, Any] | None = None) -> xr.Dataset:
+    """The runs dataset of several designs, from what the journal holds.
+
+    designs  name -> coded points (run, parameter); a point in two of them is two rows that
+             share one result
+    journal  what `surrogate.journal.read` gave; a run that it lacks has status "missing"
+    study    text of the study file; seeds: name -> seed. Both are kept as attributes
+
+    Raises `StudyError` when a name would stand for two things.
+    """
+    wanted = recipe.wanted(outputs)
+    mistakes = name_mistakes(space, wanted)
+    if mistakes:
+        raise StudyError(*mistakes)
+    physical = columns(space, designs)
+    records = [journal.records.get(key)
+               for key in keys(recipe, calls(recipe, physical, constants))]
+    records = [record if record and (record.status != "ok" or record.holds(wanted)) else None
+               for record in records]
+    return xr.Dataset(
+        {"coded": (("run", "parameter"), np.concatenate([np.atleast_2d(c) for c in
+                                                         designs.values()]),
+                   {"units": "1", "long_name": "coded value, -1 to 1 over the range"}),
+         **_parameters(space, physical), **_outputs(wanted, records, journal),
+         **_history(designs, records)},
+        coords={"parameter": list(space.names), **_coordinates(wanted)},
+        attrs=_provenance(recipe, constants, study, seeds))
+
+
+def _parameters(space: Space, physical: Mapping[str, np.ndarray]) -> dict[str, tuple]:
+    result = {}
+    for parameter in space.parameters:
+        attributes = {"units": parameter.unit, "long_name": parameter.description or parameter.name}
+        if parameter.categorical:
+            attributes = {"long_name": attributes["long_name"], "levels": list(parameter.levels)}
+        result[parameter.name] = ("run", physical[parameter.name], attributes)
+    return result
+
+
+def _outputs(wanted: Mapping[str, Output], records: list[Record | None],
+             journal: Contents) -> dict[str, tuple]:
+    result = {}
+    for name, output in wanted.items():
+        values = np.full((len(records), *output.shape), np.nan)
+        for i, record in enumerate(records):
+            if record and record.status == "ok":
+                values[i] = journal.values(record, name)
+        result[name] = (("run", *output.dims), values,
+                        {"units": output.unit, "long_name": output.description or name})
+    return result
+
+
+def _coordinates(wanted: Mapping[str, Output]) -> dict[str, np.ndarray]:
+    return {dim: np.asarray(output.coordinates[dim])
+            for output in wanted.values() for dim in output.dims}
+
+
+def _history(designs: Designs, records: list[Record | None]) -> dict[str, tuple]:
+    """What is known of each run besides its numbers."""
+    lengths = [len(np.atleast_2d(coded)) for coded in designs.values()]
+    finished = [np.datetime64(round(r.finished * 1e6), "us") if r else np.datetime64("NaT", "us")
+                for r in records]
+    return {
+        "design": ("run", np.repeat(list(designs), lengths),
+                   {"long_name": "design that the run belongs to"}),
+        "status": ("run", np.array([r.status if r else "missing" for r in records], dtype=str),
+                   {"long_name": f"how the run ended: {', '.join(STATUSES)}"}),
+        "message": ("run", np.array([r.message if r else "" for r in records], dtype=str),
+                    {"long_name": "why the run has no answer"}),
+        "seconds": ("run", np.array([r.seconds if r else np.nan for r in records]),
+                    {"units": "s", "long_name": "duration of the last attempt"}),
+        "attempts": ("run", np.array([r.attempts if r else 0 for r in records]),
+                     {"units": "1", "long_name": "attempts made"}),
+        "finished": ("run", np.array(finished, dtype="datetime64[ns]"),
+                     {"long_name": "when the run ended (UTC)"}),
+    }
+
+
+def _provenance(recipe: Recipe, constants, study: str, seeds) -> dict[str, str]:
+    """Who made it, when, with which versions; mappings as JSON text."""
+    return {"study": study, "solver": recipe.name, "solver_version": str(recipe.solver.version),
+            "solver_options": canonical(recipe.options), "constants": canonical(constants or {}),
+            "seeds": canonical(seeds or {}), "versions": canonical(versions()),
+            "deterministic": str(recipe.deterministic).lower(),
+            "created": datetime.now(UTC).isoformat(timespec="seconds")}
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of the packages that make the numbers."""
+    found = {"python": platform.python_version()}
+    for name in REMEMBERED:
+        with suppress(metadata.PackageNotFoundError):
+            found[name] = metadata.version(name)
+    return found
+
+
+def save(runs: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset as netCDF4, all of it or nothing: an older file stays until it is whole.
+
+    Raises `ResultsError` when the disk does not take it.
+    """
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        number, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        os.close(number)
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror}") from error
+    try:
+        runs.to_netcdf(temporary, engine="h5netcdf", encoding=_encoding(runs))
+        _force_to_disk(temporary)
+        os.replace(temporary, path)
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror or error}; "
+                           "make room, then run again") from error
+    finally:
+        with suppress(FileNotFoundError):
+            os.unlink(temporary)
+
+
+def _encoding(runs: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Points of time as whole microseconds since 1970, whichever comes first in the column."""
+    return {name: {"units": "microseconds since 1970-01-01", "dtype": "int64"}
+            for name, variable in runs.variables.items() if variable.dtype.kind == "M"}
+
+
+def _force_to_disk(path: str) -> None:
+    """fsync, and the permissions that a newly made file has (mkstemp's are narrower)."""
+    mask = os.umask(0)
+    os.umask(mask)
+    os.chmod(path, 0o666 & ~mask)
+    file = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)
+
+
+def load(path: str | Path) -> xr.Dataset:
+    """The dataset in `path`, read whole. Raises `ResultsError` when missing or damaged."""
+    if not Path(path).is_file():
+        raise ResultsError(f"{path} does not exist; run the study first")
+    try:
+        return xr.load_dataset(path, engine="h5netcdf", decode_timedelta=False)
+    except (OSError, ValueError, KeyError) as error:
+        raise ResultsError(f"{path} cannot be read ({error}); delete it and run the study again: "
+                           "finished runs come back from the journal") from error
+
+
+def select(runs: xr.Dataset, *, designs: Iterable[str] | None = None,
+           statuses: Iterable[str] | None = None) -> xr.Dataset:
+    """The rows that belong to one of `designs` and ended in one of `statuses` (None: any).
+
+    Raises `ResultsError` for a design that the dataset does not have.
+    """
+    keep = np.ones(runs.sizes["run"], dtype=bool)
+    if designs is not None:
+        present = set(runs["design"].values.tolist())
+        for name in (designs := list(designs)):
+            if name not in present:
+                raise ResultsError(f"there are no runs of design '{name}'; "
+                                   f"{nearest(name, present)}")
+        keep &= np.isin(runs["design"].values.astype(str), designs)
+    if statuses is not None:
+        keep &= np.isin(runs["status"].values.astype(str), list(statuses))
+    return runs.isel(run=keep)
+
+
+def training(runs: xr.Dataset, output: str,
+             designs: Iterable[str] = ("train",)) -> tuple[np.ndarray, np.ndarray]:
+    """Coded points (n, parameter) and values (n, ...) of `output` in the good runs of `designs`."""
+    if output not in runs or output in RESERVED_NAMES or "run" not in runs[output].dims:
+        known = [name for name in runs if name not in RESERVED_NAMES
+                 and name not in runs["parameter"].values]
+        raise ResultsError(f"there is no output '{output}'; {nearest(output, known)}")
+    good = select(runs, designs=designs, statuses=["ok"])
+    return good["coded"].values, good[output].values
+
+
+def counts(runs: xr.Dataset) -> dict[str, int]:
+    """Number of runs by status, every status named."""
+    found = Counter(runs["status"].values.tolist())
+    return {status: found[status] for status in STATUSES}
+
+
+def seconds_left(runs: xr.Dataset, workers: int = 1) -> float | None:
+    """Estimated time of the missing runs on `workers`; None when no run tells how long one takes.
+
+    Equal points are counted once per row, so it errs on the long side.
+    """
+    missing = counts(runs)["missing"]
+    seconds = runs["seconds"].values
+    if missing == 0:
+        return 0.0
+    if not np.isfinite(seconds).any():
+        return None
+    return missing * float(np.nanmean(seconds)) / workers
+
+
+def described(runs: xr.Dataset, attribute: str) -> Any:
+    """A dataset attribute that is kept as JSON text (constants, seeds, versions, options)."""
+    return json.loads(runs.attrs[attribute])
