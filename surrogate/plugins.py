@@ -11,7 +11,7 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from inspect import Parameter, getdoc, signature
 from pathlib import Path
@@ -76,34 +76,38 @@ def _make_importable(folder: Path | None) -> None:
 
 
 @dataclass(frozen=True)
-class SolverRecipe:
-    """How any process builds the study's solver; call it to get the solver.
+class SolverFactory:
+    """Builds a study's solver in any process: `factory(**options)`.
 
-    name     entry point or `module:object`, or the solver itself (from Python)
-    options  the study's solver options
-    folder   where the study file lies: for its own modules and files
+    name    entry point or `module:object`; from Python also the class or solver itself
+    folder  where the study file lies: for its own modules and files
     """
 
     name: Any
-    options: Mapping[str, Any] = field(default_factory=dict)
     folder: Path | None = None
 
     @property
     def label(self) -> str:
         """The solver's name as the study writes it."""
-        return self.name if isinstance(self.name, str) else type(self.name).__qualname__
+        if isinstance(self.name, str):
+            return self.name
+        return getattr(self.name, "__qualname__", type(self.name).__qualname__)
 
-    def __call__(self) -> Any:
-        """The solver, built; `PluginError` or the constructor's own error when it cannot."""
-        found = load(SOLVERS, self.name, self.folder) if isinstance(self.name, str) else self.name
-        if hasattr(found, "inputs") and not isinstance(found, type):
+    def find(self) -> Any:
+        """What the name stands for: a class, a function, or a solver already built."""
+        return load(SOLVERS, self.name, self.folder) if isinstance(self.name, str) else self.name
+
+    def __call__(self, **options: Any) -> Any:
+        """The solver; `PluginError`, or the constructor's own error, when it cannot be built."""
+        found = self.find()
+        if _is_built(found):
             return found
-        extra = {"folder": self.folder} if _takes_folder(found) else {}
-        return found(**self.options, **extra)
+        extra = {"folder": self.folder} if "folder" in parameters_of(found) else {}
+        return found(**options, **extra)
 
 
-def _takes_folder(factory: Any) -> bool:
-    return "folder" in parameters_of(factory)
+def _is_built(found: Any) -> bool:
+    return hasattr(found, "inputs") and not isinstance(found, type)
 
 
 def parameters_of(function: Any) -> dict[str, Parameter]:
@@ -121,7 +125,7 @@ def option_mistakes(function: Any, options: Mapping[str, Any],
     given: parameters that the framework fills in itself. Values are checked
     against the annotations where the plug-in has any.
     """
-    if hasattr(function, "inputs") and not isinstance(function, type):
+    if _is_built(function):
         return [(name, f"option '{name}' is not taken: this solver is an object, not a class")
                 for name in options]
     taken = {name: p for name, p in parameters_of(function).items() if name not in given}

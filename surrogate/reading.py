@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from surrogate import distributions, plugins, runs, studyfile, units
-from surrogate.designs import Design
+from surrogate.designs.design import Design
 from surrogate.errors import DesignError, PluginError, StudyError, nearest
 from surrogate.fitting import minimum_runs
-from surrogate.plugins import SolverRecipe
+from surrogate.identity import Recipe
+from surrogate.plugins import SolverFactory
 from surrogate.solver import Input, Solver
 from surrogate.source import Source
 from surrogate.space import Parameter, Space
@@ -72,43 +73,43 @@ class Reading:
         except (PluginError, DesignError) as error:
             self.wrong(str(error), *path, on_key=on_key)
 
+    def options_wrong(self, mistakes: list[tuple[str, str]], *path: str | int) -> None:
+        """Note what is wrong with a plug-in's options, which stand at `path`."""
+        for option, sentence in mistakes:
+            self.wrong(sentence, *path, *filter(None, [option]), on_key=True)
+
     def is_broken(self, *path: str) -> bool:
         """True when the part at `path` was left out because of a mistake of shape."""
         return any(path[:n] in self.broken for n in range(1, len(path) + 1))
 
 
-def solver_of(reading: Reading) -> tuple[SolverRecipe, Solver | None]:
+def solver_of(reading: Reading) -> tuple[Recipe, Solver | None]:
     """The study's solver, built once here to learn its inputs and outputs."""
     part = reading.part.solver
-    recipe = SolverRecipe(part.name, part.options, reading.folder)
+    factory = SolverFactory(part.name, reading.folder)
+    recipe = Recipe(factory.label, factory, part.options)
     if reading.is_broken("solver"):
         return recipe, None
     with reading.noting("solver", "name"):
-        found = plugins.load(plugins.SOLVERS, part.name, reading.folder) \
-            if isinstance(part.name, str) else part.name
-        mistakes = plugins.option_mistakes(found, part.options, GIVEN_TO_SOLVERS)
-        for option, sentence in mistakes:
-            reading.wrong(sentence, "solver", "options", *filter(None, [option]),
-                          on_key="unknown" in sentence)
-        if mistakes:
-            return recipe, None
-        return recipe, _built(recipe, reading)
+        mistakes = plugins.option_mistakes(factory.find(), part.options, GIVEN_TO_SOLVERS)
+        reading.options_wrong(mistakes, "solver", "options")
+        return recipe, None if mistakes else _built(recipe, reading)
     return recipe, None
 
 
-def _built(recipe: SolverRecipe, reading: Reading) -> Solver | None:
+def _built(recipe: Recipe, reading: Reading) -> Solver | None:
     with reading.noting("solver", "options"):
         try:
-            solver = recipe()
+            solver = recipe.solver
         except (StudyError, PluginError):
             raise
         except Exception as error:
-            raise PluginError(f"solver '{recipe.label}' cannot be built: "
+            raise PluginError(f"solver '{recipe.name}' cannot be built: "
                               f"{type(error).__name__}: {error}") from error
         if isinstance(solver, Solver):
             return solver
         lacking = [name for name in ("inputs", "outputs", "version") if not hasattr(solver, name)]
-        reading.wrong(f"'{recipe.label}' is not a solver: it has no "
+        reading.wrong(f"'{recipe.name}' is not a solver: it has no "
                       f"{', '.join(lacking) or '__call__'}", "solver", "name")
     return None
 
@@ -244,18 +245,18 @@ def _constant(part: studyfile.ConstantPart, taken: Input) -> float | str:
     return value
 
 
-def outputs_of(reading: Reading, solver: Solver) -> tuple[str, ...]:
+def outputs_of(reading: Reading, solver: Solver, space: Space | None) -> tuple[str, ...]:
     """Names of the outputs that are kept."""
     names = reading.part.outputs or tuple(solver.outputs)
     for index, name in enumerate(names):
         if name not in solver.outputs:
             reading.wrong(f"the solver has no output '{name}'; {nearest(name, solver.outputs)}",
                           "outputs", index)
-    for name in (*names, *reading.part.parameters):
-        if name in runs.RESERVED_NAMES:
-            reading.wrong(f"'{name}' is a name that the runs dataset needs for itself; "
-                          "rename it in the solver", "outputs" if name in names else "parameters")
-    return tuple(name for name in names if name in solver.outputs)
+    kept = {name: solver.outputs[name] for name in names if name in solver.outputs}
+    if space is not None:
+        for sentence in runs.name_mistakes(space, kept):
+            reading.wrong(sentence, "outputs", on_key=True)
+    return tuple(kept)
 
 
 def designs_of(reading: Reading, space: Space) -> dict[str, Design]:
@@ -289,8 +290,7 @@ def _points(reading, group, part, path, space, *coded) -> np.ndarray | None:
     with reading.noting(*path, "method"):
         function = plugins.load(group, part.method, reading.folder)
         mistakes = plugins.option_mistakes(function, part.options, GIVEN_TO_DESIGNS)
-        for option, sentence in mistakes:
-            reading.wrong(sentence, *path, *filter(None, [option]), on_key="unknown" in sentence)
+        reading.options_wrong(mistakes, *path)
         if mistakes:
             return None
         taken = plugins.parameters_of(function)
@@ -302,7 +302,7 @@ def _points(reading, group, part, path, space, *coded) -> np.ndarray | None:
 
 
 def surrogates_of(reading: Reading, designs: Mapping[str, Design],
-                  space: Space) -> dict[str, Surrogate]:
+                  space: Space | None) -> dict[str, Surrogate]:
     """Unfitted estimators by name, each with the designs it learns from."""
     surrogates = {}
     for name, part in reading.part.surrogates.items():
@@ -318,9 +318,7 @@ def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | 
     with reading.noting(*path, "method"):
         factory = plugins.load(plugins.REGRESSORS, part.method, reading.folder)
         mistakes = plugins.option_mistakes(factory, part.options, GIVEN_TO_REGRESSORS)
-        for option, sentence in mistakes:
-            reading.wrong(sentence, *path, "options", *filter(None, [option]),
-                          on_key="unknown" in sentence)
+        reading.options_wrong(mistakes, *path, "options")
         if mistakes:
             return None
         estimator = factory(**part.options)
@@ -339,17 +337,17 @@ def _check_training(reading, surrogate: Surrogate, designs, space: Space) -> Non
                 and name not in reading.part.designs:
             reading.wrong(f"learns from design '{name}', which the study has not; "
                           f"{nearest(name, reading.part.designs)}", *path, "train")
-    if any(name not in designs for name in surrogate.train):
+    if space is None or any(name not in designs for name in surrogate.train):
         return
     points = np.unique(np.vstack([designs[name].coded for name in surrogate.train]), axis=0)
-    needed = minimum_runs(surrogate.estimator, space.size)
+    needed = minimum_runs(surrogate.estimator, space)
     if len(points) < needed:
         reading.wrong(f"{surrogate.method} has {needed} coefficients to find in {space.size} "
                       f"parameters, but {', '.join(surrogate.train)} has {len(points)} different "
                       "points; use a larger design or a smaller surrogate", *path, on_key=True)
 
 
-def sensitivity_of(reading: Reading) -> SensitivityMethod | None:
+def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod | None:
     """The sensitivity method with its options."""
     part = reading.part.sensitivity
     if part is None:
@@ -365,9 +363,8 @@ def sensitivity_of(reading: Reading) -> SensitivityMethod | None:
                       "sensitivity", "surrogate")
     with reading.noting("sensitivity", "method"):
         function = plugins.load(plugins.SENSITIVITY, part.method, reading.folder)
-        for option, sentence in plugins.option_mistakes(function, part.options,
-                                                        GIVEN_TO_SENSITIVITY):
-            reading.wrong(sentence, "sensitivity", *filter(None, [option]), on_key=True)
+        reading.options_wrong(plugins.option_mistakes(function, part.options,
+                                                      GIVEN_TO_SENSITIVITY), "sensitivity")
         return SensitivityMethod(part.method, function, part.options,
                                  part.surrogate, part.confidence)
     return None

@@ -1,0 +1,61 @@
+"""The progress bar of a study's runs, on the terminal's error stream."""
+
+from __future__ import annotations
+
+import sys
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+from surrogate.execution import Progress as Tally
+
+
+class RunsBar:
+    """Shows a `Tally` after each run: a bar on a terminal, a line now and then elsewhere.
+
+    Use as `with RunsBar(name) as bar: execute(..., progress=bar)`.
+    """
+
+    def __init__(self, name: str):
+        self.console = Console(stderr=True)
+        self.bar = Progress(
+            TextColumn(name), BarColumn(), MofNCompleteColumn(),
+            TextColumn("{task.fields[note]}"), console=self.console, refresh_per_second=5,
+            disable=not self.console.is_terminal)
+        self.task = None
+        self.tenth = -1
+
+    def __enter__(self) -> RunsBar:
+        return self
+
+    def __exit__(self, *error) -> None:
+        self.bar.stop()
+
+    def __call__(self, tally: Tally) -> None:
+        """Show how far the runs are."""
+        if self.task is None:
+            self.task = self.bar.add_task("runs", total=tally.total, note="")
+            self.bar.start()
+        self.bar.update(self.task, completed=tally.done, note=_note(tally))
+        tenth = 10 * tally.done // max(tally.total, 1)
+        if self.bar.disable and tenth != self.tenth:
+            self.tenth = tenth
+            print(f"{tally.done}/{tally.total} runs {_note(tally)}".rstrip(), file=sys.stderr)
+
+
+def _note(tally: Tally) -> str:
+    parts = [f"{tally.reused} reused"] if tally.reused else []
+    parts += [f"{tally.failed} failed"] if tally.failed else []
+    if tally.seconds_left is not None and tally.done < tally.total:
+        parts.append(f"{duration(tally.seconds_left)} left")
+    return ", ".join(parts)
+
+
+def duration(seconds: float) -> str:
+    """Seconds as people say them: 0.8 s, 42 s, 12 min, 3.5 h, 2.1 days."""
+    if seconds < 10:
+        return f"{seconds:.1f} s"
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2 * size:
+            return f"{seconds / size:.1f} {unit}" if unit != "min" else f"{seconds / size:.0f} min"
+    return f"{seconds:.0f} s"

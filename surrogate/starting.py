@@ -1,0 +1,30 @@
+"""The commented study that `surrogate new` writes."""
+
+from __future__ import annotations
+
+import re
+from importlib.resources import files
+from pathlib import Path
+
+from surrogate.errors import StudyError
+
+
+def write(name: str, folder: Path | None = None) -> Path:
+    """Write `<name>.yaml` into `folder` (default: the current one); returns its path.
+
+    Raises `StudyError` when the name cannot name a study, or the file exists.
+    """
+    stem = name.removesuffix(".yaml")
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", stem):
+        raise StudyError(f"name '{stem}' may hold letters, digits and _ only, and starts "
+                         "with a letter")
+    path = (folder or Path()) / f"{stem}.yaml"
+    text = files("surrogate").joinpath("starting.yaml").read_text(encoding="utf-8")
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text.replace("NAME", stem))
+    except FileExistsError:
+        raise StudyError(f"{path} exists already; choose another name") from None
+    except OSError as error:
+        raise StudyError(f"{path} cannot be written: {error.strerror}") from None
+    return path

@@ -1,0 +1,165 @@
+"""A study: solver, parameters, designs, surrogates, sensitivity; from one YAML file or mapping."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+import yaml
+
+from surrogate import fitting, reading, studyfile
+from surrogate import runs as rundata
+from surrogate.designs.aliasing import Aliasing, aliasing
+from surrogate.designs.design import Design
+from surrogate.errors import FitError, StudyError
+from surrogate.execution import Progress, execute
+from surrogate.fitting import Fit
+from surrogate.identity import Recipe
+from surrogate.journal import read as read_journal
+from surrogate.reading import Reading, SensitivityMethod, Surrogate
+from surrogate.sensitivity.screening import Screening, decide
+from surrogate.source import Source, read_file, read_text
+from surrogate.space import Space
+from surrogate.studyfile import ExecutionPart, ScreeningPart
+
+Fits = Mapping[str, Mapping[str, Fit]]
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study file says, as objects. Build one by `from_yaml` or `from_mapping`.
+
+    constants are in the solver's units; inputs that are neither parameters nor
+    constants keep the solver's nominal value.
+    """
+
+    name: str
+    about: str
+    recipe: Recipe
+    space: Space
+    constants: Mapping[str, float | str]
+    outputs: tuple[str, ...]
+    designs: Mapping[str, Design]
+    surrogates: Mapping[str, Surrogate]
+    sensitivity_method: SensitivityMethod | None
+    screening_rule: ScreeningPart | None
+    execution: ExecutionPart
+    source: Source = field(repr=False, compare=False)
+
+    @classmethod
+    def from_yaml(cls, path: str | Path) -> Study:
+        """The study in a file; raises `StudyError` with every mistake and its place."""
+        path = Path(path)
+        return _build(cls, read_file(path), path.resolve().parent)
+
+    @classmethod
+    def from_text(cls, text: str, name: str = "study.yaml") -> Study:
+        """The study in YAML `text`; `name` stands for the file in messages."""
+        return _build(cls, read_text(text, name), None)
+
+    @classmethod
+    def from_mapping(cls, data: Mapping[str, Any]) -> Study:
+        """The study in the words of a study file, as Python data.
+
+        The solver's name, or the solver itself, may be a Python object here.
+        """
+        return _build(cls, Source(data=data), None)
+
+    @property
+    def folder(self) -> Path:
+        """Where its results go unless the caller says otherwise."""
+        return Path("results") / self.name
+
+    @property
+    def text(self) -> str:
+        """The study as written, or as YAML when it came as Python data."""
+        if self.source.text:
+            return self.source.text
+        plain = {**self.source.data, "solver": {"name": self.recipe.name,
+                                                "options": dict(self.recipe.plain_options)}}
+        return yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
+
+    @property
+    def aliases(self) -> dict[str, Aliasing]:
+        """What is confounded with what, for each design that is a regular two-level fraction."""
+        found = {name: aliasing(self.space, design.coded) for name, design in self.designs.items()}
+        return {name: alias for name, alias in found.items() if alias is not None}
+
+    @property
+    def points(self) -> dict[str, np.ndarray]:
+        """Coded points (run, parameter) of each design."""
+        return {name: design.coded for name, design in self.designs.items()}
+
+    def journal(self, results: Path | None = None) -> Path:
+        """Where finished runs are written down."""
+        return (results or self.folder) / "journal"
+
+    def stored(self, results: Path | None = None) -> xr.Dataset:
+        """The runs dataset as far as the journal goes; runs not done yet are 'missing'."""
+        return rundata.assemble(
+            self.space, self.points, self.recipe, read_journal(self.journal(results)),
+            constants=self.constants, outputs=self.outputs, study=self.text,
+            seeds={name: design.options.get("seed", 0) for name, design in self.designs.items()})
+
+    def run(self, *, workers: int | None = None, results: Path | None = None,
+            executor: Executor | None = None, retry_failed: bool = False,
+            progress: Callable[[Progress], None] | None = None) -> xr.Dataset:
+        """Do the runs that the journal does not have; returns the runs dataset.
+
+        executor: any concurrent.futures executor in place of local processes.
+        retry_failed: do failed and timed-out runs again.
+        """
+        execute(self.recipe, rundata.columns(self.space, self.points),
+                journal=self.journal(results), constants=self.constants, outputs=self.outputs,
+                workers=workers or self.execution.workers, timeout=self.execution.timeout,
+                retries=self.execution.retries, executor=executor, progress=progress,
+                rerun=("failed", "timed_out") if retry_failed else ())
+        return self.stored(results)
+
+    def fit(self, runs: xr.Dataset) -> dict[str, dict[str, Fit]]:
+        """Every surrogate fitted to every output: surrogate -> output -> Fit.
+
+        An output that a surrogate cannot be fitted to, because too many runs failed,
+        is left out; `unfitted` says why.
+        """
+        return {name: {output: fit for output in self.outputs
+                       if isinstance(fit := self._fit(runs, name, output), Fit)}
+                for name in self.surrogates}
+
+    def unfitted(self, runs: xr.Dataset, fits: Fits) -> list[str]:
+        """A sentence for each surrogate and output without a fit."""
+        return [str(self._fit(runs, name, output)) for name in self.surrogates
+                for output in self.outputs if output not in fits[name]]
+
+    def _fit(self, runs: xr.Dataset, name: str, output: str) -> Fit | FitError:
+        surrogate = self.surrogates[name]
+        coded, values = rundata.training(runs, output, surrogate.train)
+        try:
+            return fitting.fit(self.space, coded, values, surrogate.estimator,
+                               surrogate=name, output=output)
+        except FitError as error:
+            return error
+
+
+def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
+    """Read every part, note every mistake, raise them together or return the study."""
+    part, mistakes, broken = studyfile.read(source.data)
+    if part is None:
+        raise StudyError(*reading.sentences(source, mistakes))
+    notes = Reading(part, folder, broken, mistakes)
+    recipe, solver = reading.solver_of(notes)
+    space = reading.space_of(notes, solver) if solver else None
+    constants = reading.constants_of(notes, solver) if solver else {}
+    outputs = reading.outputs_of(notes, solver, space) if solver else ()
+    designs = reading.designs_of(notes, space) if space else {}
+    surrogates = reading.surrogates_of(notes, designs, space)
+    sensitivity = reading.sensitivity_of(notes, space)
+    if notes.mistakes:
+        raise StudyError(*reading.sentences(source, notes.mistakes))
+    return cls(part.study, part.about.strip(), recipe, space, constants, outputs, designs,
+               surrogates, sensitivity, part.screening, part.execution, source)
