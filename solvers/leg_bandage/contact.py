@@ -20,7 +20,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solvers.leg_bandage.friction import ContactLaw
-from solvers.leg_bandage.surfaces import gather
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,6 @@ class Contact:
         self.points, self.surface, self.X, self.law = points, surface, X, law
         self.offset = np.asarray(offset, float)
         self.margin = margin
-        self.weight = np.ones(len(points.area))
         self.current = ContactState(xi.copy(), xi.copy())
         self.cells = surface.cell(xi)
         self.rebuild()
@@ -123,7 +121,7 @@ class Contact:
         nodes, weights = self._operators(k)
         residual = np.zeros(u.size)
         for c in range(3):
-            share = -weights[:, 0] * (force[:, c] * self._area)[:, None]
+            share = -weights[:, 0] * (force[:, c] * self.points.area)[:, None]
             residual[c::3] = np.bincount(
                 nodes.ravel(), share.ravel(), minlength=u.size // 3
             )
@@ -131,9 +129,25 @@ class Contact:
 
     # -- load steps --------------------------------------------------------------------
 
-    def hold(self, held):
-        """Make every point bilateral and sticking, or let Coulomb's law act."""
-        self.current = replace(self.current, held=held)
+    def hold(self):
+        """Make every point bilateral and sticking."""
+        self.current = replace(self.current, held=True)
+
+    def release(self, u):
+        """Let Coulomb's law act from the held state u on, with the friction it can give.
+
+        The anchors move so that each point keeps its held traction, or as much of it as
+        mu p allows: phi(y) = min(|t| / (mu p), 1).
+        """
+        k = self._kinematics(self.X + u.reshape(-1, 3))
+        most = self.law.mu * np.maximum(k["p"], 0.0)
+        grip = self.law.penalty * k["slip_size"]
+        share = np.where(grip < most, grip / np.maximum(most, 1e-300), 1.0)
+        slip = self.law.elastic_slip * (1 - np.sqrt(1 - share))
+        scale = np.where(most > 0, slip / np.maximum(k["slip_size"], 1e-300), 0.0)
+        scale = np.where(self.points.tied, 1.0, scale)
+        anchor = k["xi"] - scale[:, None] * k["shift"]
+        self.current = ContactState(k["xi"], anchor, held=False)
 
     def accept(self, u):
         """End of a load step: slip beyond the elastic slip moves the anchors.
@@ -144,7 +158,7 @@ class Contact:
         stuck = self._held(self.current.held)
         keep = np.where(stuck, 1.0, self.law.kept(k["slip_size"]))
         keep = np.where((k["p"] > 0) | stuck, keep, 0.0)
-        lost = self.law.mu * k["p"] * k["slip_size"] * (1 - keep) * self._area
+        lost = self.law.mu * k["p"] * k["slip_size"] * (1 - keep) * self.points.area
         anchor = k["xi"] - keep[:, None] * (k["xi"] - self.current.anchor)
         self.current = replace(self.current, xi=k["xi"], anchor=anchor)
         return float(lost[~stuck].sum())
@@ -160,10 +174,6 @@ class Contact:
 
     def _held(self, held):
         return self.points.tied | held
-
-    @property
-    def _area(self):
-        return self.points.area * self.weight
 
     def _kinematics(self, x):
         points = self.points.at(x)
@@ -220,7 +230,7 @@ class Contact:
         tangent[:, :3] = -dF
         tangent[:, 3:6] = np.einsum("pc,pj->pcj", force, dxi[:, 0])
         tangent[:, 6:9] = np.einsum("pc,pj->pcj", force, dxi[:, 1])
-        return force, tangent * self._area[:, None, None]
+        return force, tangent * self.points.area[:, None, None]
 
     def _operators(self, k):
         """Nodes (n, m) and weights (n, 3, m) of dx - dy, dy_1, dy_2."""
@@ -235,11 +245,19 @@ class Contact:
 
     # -- pattern -----------------------------------------------------------------------
 
-    def fits(self, u):
-        """Whether the pattern holds every projection at displacements u."""
+    def close(self):
+        """Set the offsets so that all gaps are zero at zero displacement."""
+        k = self._kinematics(self.X)
+        self.offset = self.offset + k["gap"]
+        self.current = ContactState(k["xi"], k["xi"].copy(), self.current.held)
+        self.rebuild()
+
+    def follow(self, u):
+        """Take the projections at displacements u and lay the pattern out round them."""
         x = self.X + u.reshape(-1, 3)
         xi = project(self.surface, self.points.at(x), x, self.current.xi)
-        return self._lookup(self.surface.cell(xi))
+        self.current = replace(self.current, xi=xi)
+        self.rebuild()
 
     def rebuild(self):
         """Lay out the pattern around the present projections; rows and cols change."""

@@ -1,9 +1,11 @@
 """Contact: closest points, the consistent tangent, and equilibrium of what it transmits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.contact import Contact, Points, project
+from solvers.leg_bandage.contact import Contact, PatternLeft, Points, project
 from solvers.leg_bandage.friction import ContactLaw
 from solvers.leg_bandage.surfaces import Mandrel, Plane, Skin, Strip, interpolate_strip
 
@@ -22,7 +24,7 @@ def bumpy_tube(rng, n_theta=16, n_z=10, radius=40.0):
 
 
 def patch_on_tube(seed, tied=False):
-    """A bent B-spline patch at gaps from +0.08 to -0.1 mm on a bumpy tube: contact part and its dofs."""
+    """A bent B-spline patch at gaps from +0.08 to -0.1 mm on a bumpy tube."""
     rng = np.random.default_rng(seed)
     nodes, x_skin = bumpy_tube(rng)
     strip = Strip(4, 3, offset=len(x_skin))
@@ -53,7 +55,7 @@ def test_tangent_is_the_derivative_of_the_residual(held):
     Positions, slips (beyond and below the elastic slip) and gaps (open, ramp, closed) vary.
     """
     contact, rng = patch_on_tube(3)
-    contact.hold(held)
+    contact.current = replace(contact.current, held=held)
     ndof = 3 * len(contact.X)
     u = rng.normal(0, 0.04, ndof)
     _, values = contact.linearise(u)
@@ -78,7 +80,7 @@ def test_forces_and_moments_balance():
     normal, so only friction leaves a moment, t x d, which is included here.
     """
     contact, rng = patch_on_tube(5)
-    contact.hold(False)
+    contact.current = replace(contact.current, held=False)
     u = rng.normal(0, 0.03, 3 * len(contact.X))
     residual, _ = contact.linearise(u)
     force = residual.reshape(-1, 3)
@@ -94,7 +96,7 @@ def test_forces_and_moments_balance():
 def test_dissipation_is_never_negative_and_anchor_follows():
     """V11: friction takes energy out; after accepting, the elastic slip is at most e."""
     contact, rng = patch_on_tube(7)
-    contact.hold(False)
+    contact.current = replace(contact.current, held=False)
     u = np.zeros(3 * len(contact.X))
     for _ in range(5):
         u = u + rng.normal(0, 0.05, u.size)
@@ -107,9 +109,9 @@ def test_pattern_holds_wandering_projections_after_rebuild():
     contact, _ = patch_on_tube(9)
     u = np.zeros((len(contact.X), 3))
     u[contact.surface.nodes.size :, 2] = 15.0
-    assert not contact.fits(u.ravel())
-    contact.accept(u.ravel())
-    contact.rebuild()
+    with pytest.raises(PatternLeft):
+        contact.linearise(u.ravel())
+    contact.follow(u.ravel())
     residual, values = contact.linearise(u.ravel())
     assert np.isfinite(residual).all() and len(values) == len(contact.rows)
 
@@ -180,7 +182,7 @@ def block(angle_deg, pull):
     plane = Plane((0, 0, 0), tuple(turn[:, 0]), tuple(turn[:, 1]))
     points = Points(np.array([[0]]), np.ones((1, 1)), np.ones(1), np.array([False]))
     contact = Contact(points, plane, np.zeros((1, 3)), np.zeros((1, 2)), [0.0], LAW)
-    contact.hold(False)
+    contact.current = replace(contact.current, held=False)
     u = turn @ np.array([*pull, -0.4])
     residual, _ = contact.linearise(u)
     return turn.T @ residual
@@ -201,3 +203,19 @@ def test_sliding_block(angle):
             force = block(angle, pull)
             assert force[2] == pytest.approx(-N, rel=1e-12)
             assert np.allclose(force[:2], H * pull / size, rtol=1e-10)
+
+
+def test_release_keeps_the_traction_that_friction_can_give():
+    """From held to Coulomb: tractions below mu p stay, the others become mu p."""
+    contact, rng = patch_on_tube(11)
+    contact.current = replace(contact.current, held=True)
+    u = rng.normal(0, 0.02, 3 * len(contact.X))
+    before = contact.report(u)
+    contact.release(u)
+    after = contact.report(u)
+    tangent = [r["traction"] - r["p"][:, None] * r["normal"] for r in (before, after)]
+    asked, got = (np.linalg.norm(t, axis=1) for t in tangent)
+    limit = LAW.mu * after["p"]
+    closed = before["gap"] < -LAW.ramp
+    assert closed.any()
+    assert np.allclose(got[closed], np.minimum(asked, limit)[closed], rtol=1e-9)

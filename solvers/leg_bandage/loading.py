@@ -1,0 +1,68 @@
+"""The way to equilibrium: lay, hold, release.
+
+HOLD     contacts bilateral and sticking, the whole tension at once
+RELEASE  unilateral contact and Coulomb friction; the bandage moves until it rests
+
+In mode `progressive` the bandage is held turn by turn, each turn laid on the leg as the
+turns before have deformed it.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from solvers.leg_bandage.model import Model
+from solvers.leg_bandage.solution import NotConverged, creep
+from surrogate.errors import SolverError
+
+FIRST_VISCOSITY = 2e-3
+
+
+def hold(model: Model, u: np.ndarray) -> np.ndarray:
+    """Equilibrium with all contacts stuck, from u; raises SolverError."""
+    problem = model.problem
+    for contact in problem.contacts:
+        contact.hold()
+    problem.viscosity.coefficient = 0.0
+    try:
+        u, _ = problem.newton(u)
+    except NotConverged as failure:
+        raise _failed(model, "holding the bandage as laid", failure) from failure
+    problem.cost.steps += 1
+    return u
+
+
+def release(model: Model, u: np.ndarray, watch=None) -> np.ndarray:
+    """Let go of the held bandage and follow it to rest; raises SolverError."""
+    for contact in model.problem.contacts:
+        contact.release(u)
+    try:
+        u, model.problem.cost.rest = creep(model.problem, u, FIRST_VISCOSITY, watch)
+    except NotConverged as failure:
+        raise _failed(model, "releasing the bandage", failure) from failure
+    return u
+
+
+def solve(model: Model, watch=None) -> np.ndarray:
+    """Displacements (ndof,) of the bandaged leg at rest."""
+    start = time.perf_counter()
+    u = release(model, hold(model, np.zeros(model.ndof)), watch)
+    model.problem.cost.add("total", start)
+    return u
+
+
+def _failed(model, stage, failure):
+    """The error that says how far the solution came, what was left and where."""
+    problem = model.problem
+    node, component = divmod(failure.dof, 3)
+    place = model.X[node]
+    what = "bandage" if node >= model.strip.offset else "leg"
+    return SolverError(
+        f"no equilibrium: {stage} stopped after {problem.cost.steps} steps and "
+        f"{problem.cost.iterations} Newton iterations at viscosity "
+        f"{problem.viscosity.coefficient:.1e} MPa/mm with {failure.residual:.1e} N unbalanced "
+        f"({'xyz'[component]} of a point of the {what} at x, y, z = "
+        f"{place[0]:.0f}, {place[1]:.0f}, {place[2]:.0f} mm)"
+    )

@@ -1,0 +1,233 @@
+"""Newton's method and the motion of the bandage until it rests.
+
+Sliding is a motion, not a load step. Each step is an implicit Euler step of
+c A dx/dt = force with a small viscosity c on the bandage only, so that a bandage that
+has let go moves until friction and geometry hold it again. c falls while Newton
+converges and rises when it does not; no step starts from a state that has not converged.
+Units: N, mm, MPa; c in MPa/mm.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from solvers.leg_bandage.contact import Contact, PatternLeft
+from solvers.leg_bandage.linear import System
+from surrogate.errors import SolverError
+
+
+@dataclass(frozen=True)
+class Tolerances:
+    """When a state counts as in equilibrium, and what a step may cost.
+
+    force        largest unbalanced nodal force, N
+    rest         largest viscous traction at rest, MPa
+    iterations   Newton iterations in a step
+    longest      longest move of a node in one iteration, mm
+    steps        load steps in all
+    viscosity    (smallest, largest) viscosity, MPa/mm
+    """
+
+    force: float = 1e-5
+    rest: float = 2e-6
+    iterations: int = 25
+    longest: float = 4.0
+    steps: int = 80
+    viscosity: tuple[float, float] = (1e-6, 0.5)
+
+
+@dataclass
+class Cost:
+    """What a solution took."""
+
+    steps: int = 0
+    iterations: int = 0
+    cut_backs: int = 0
+    analyses: int = 0
+    rest: float = 0.0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def add(self, stage: str, start: float) -> None:
+        """Book the time since `start` (perf_counter) under a stage."""
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
+
+
+class Viscosity:
+    """Drag c A (x - x_n) of the bandage's control points, as a mechanical part.
+
+    area (nodes,) is the share of laid area of each node: zero for the leg's.
+    """
+
+    def __init__(self, area: np.ndarray):
+        self.area = np.repeat(area, 3)
+        self.coefficient, self.origin = 0.0, np.zeros(self.area.size)
+        self.rows = self.cols = np.flatnonzero(self.area).astype(np.int32)
+
+    def linearise(self, u):
+        """Residual (ndof,) and diagonal (nnz,)."""
+        drag = self.coefficient * self.area
+        return drag * (u - self.origin), drag[self.rows]
+
+
+class NotConverged(Exception):
+    """A Newton iteration that did not reach its tolerance; carries residual and place."""
+
+    def __init__(self, residual: float, dof: int):
+        super().__init__(f"residual {residual:.2e} N at dof {dof}")
+        self.residual, self.dof = residual, dof
+
+
+@dataclass
+class Problem:
+    """All parts on one vector of displacements u (ndof,), with what Newton needs of them.
+
+    inner     parts with unknowns of their own: `advance`, `state`, `restore`
+    contacts  contact parts, whose pattern may have to grow
+    others    further parts (shell)
+    """
+
+    inner: list
+    contacts: list[Contact]
+    others: list
+    viscosity: Viscosity
+    fixed: np.ndarray
+    ndof: int
+    solver: str = "auto"
+    tolerances: Tolerances = field(default_factory=Tolerances)
+    cost: Cost = field(default_factory=Cost)
+    system: System | None = None
+
+    def analyse(self) -> None:
+        """Sum the patterns and find the order of elimination."""
+        start = time.perf_counter()
+        parts = [*self.inner, *self.others, *self.contacts, self.viscosity]
+        self.system = System(parts, self.ndof, self.fixed, self.solver)
+        self.cost.analyses += 1
+        self.cost.add("analyse", start)
+
+    def linearise(self, u):
+        """Residual (ndof,) and packed tangent; grows the contact pattern when it must."""
+        for _ in range(3):
+            if self.system is None:
+                self.analyse()
+            start = time.perf_counter()
+            try:
+                answer = self.system.linearise(u)
+                self.cost.add("assemble", start)
+                return answer
+            except PatternLeft:
+                for contact in self.contacts:
+                    contact.follow(u)
+                self.system = None
+        raise NotConverged(np.inf, 0)
+
+    def state(self):
+        """Everything a cut-back has to bring back."""
+        return [part.state() for part in (*self.inner, *self.contacts)]
+
+    def restore(self, state) -> None:
+        """Undo since `state`."""
+        for part, old in zip((*self.inner, *self.contacts), state, strict=True):
+            part.restore(old)
+
+    def newton(self, u):
+        """Equilibrium at the present laws and viscosity from u; returns u and iterations.
+
+        Steps are capped in length, not forced to lower the residual: contact that closes
+        raises it for an iteration or two (non-monotone). Raises NotConverged.
+        """
+        limits, best = self.tolerances, np.inf
+        residual, packed = self._residual(u)
+        for iteration in range(1, limits.iterations + 1):
+            du = self._increment(residual, packed)
+            du, step = self._capped(du)
+            u, residual, packed, step = self._moved(u, du, step)
+            size = self._size(residual)
+            self.cost.iterations += 1
+            if size < limits.force and step > 0.99:
+                return u, iteration
+            if not np.isfinite(size) or (iteration > 12 and size > 1e3 * best):
+                break
+            best = min(best, size)
+        free = self.system.free
+        raise NotConverged(size, int(free[np.argmax(np.abs(residual[free]))]))
+
+    def _residual(self, u):
+        try:
+            return self.linearise(u)
+        except SolverError as error:
+            raise NotConverged(np.inf, 0) from error
+
+    def _size(self, residual):
+        return float(np.abs(residual[self.system.free]).max())
+
+    def _increment(self, residual, packed):
+        start = time.perf_counter()
+        try:
+            self.system.factorise(packed)
+            du = self.system.solve(-residual)
+        except SolverError as error:
+            raise NotConverged(np.inf, 0) from error
+        self.cost.add("solve", start)
+        if not np.isfinite(du).all():
+            raise NotConverged(np.inf, int(np.argmin(np.isfinite(du))))
+        return du
+
+    def _capped(self, du):
+        longest = np.abs(du).max()
+        step = min(1.0, self.tolerances.longest / max(longest, 1e-300))
+        return step * du, step
+
+    def _moved(self, u, du, step):
+        """Take du, or less of it while an element turns inside out."""
+        for _ in range(6):
+            state = [part.state() for part in self.inner]
+            for part in self.inner:
+                part.advance(du / step, step)
+            try:
+                return u + du, *self.linearise(u + du), step
+            except SolverError:
+                for part, old in zip(self.inner, state, strict=True):
+                    part.restore(old)
+                du, step = du / 2, step / 2
+        raise NotConverged(np.inf, 0)
+
+
+def creep(problem: Problem, u, viscosity: float, watch: Callable | None = None):
+    """Let the bandage move until it rests; returns u and the last viscous traction, MPa.
+
+    watch(step, viscosity, move, iterations) is told about each accepted step. Raises
+    NotConverged when the largest viscosity does not help or the steps run out.
+    """
+    limits, drag, cost = problem.tolerances, problem.viscosity, problem.cost
+    smallest, largest = limits.viscosity
+    last = NotConverged(np.inf, 0)
+    bandage = drag.area > 0
+    for step in range(limits.steps):
+        drag.coefficient, drag.origin = viscosity, u
+        state = problem.state()
+        try:
+            new, iterations = problem.newton(u)
+        except NotConverged as failure:
+            problem.restore(state)
+            cost.cut_backs += 1
+            viscosity, last = 8 * viscosity, failure
+            if viscosity > largest:
+                break
+            continue
+        cost.steps += 1
+        for contact in problem.contacts:
+            contact.accept(new)
+        move = float(np.abs(new - u)[bandage].max())
+        u = new
+        if watch:
+            watch(step, viscosity, move, iterations)
+        if viscosity * move < limits.rest:
+            return u, viscosity * move
+        if iterations < 14:
+            viscosity = max(viscosity / (8 if iterations < 8 else 3), smallest)
+    raise last

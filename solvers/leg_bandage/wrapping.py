@@ -1,0 +1,262 @@
+"""Wrapping: where a spiral bandage lies on a leg, before anything is in equilibrium.
+
+The midline climbs a helix of constant pitch in the leg's coordinates (theta, z). Across
+its width the strip follows lines that leave the midline at a right angle and stay in the
+tangent plane, at true length. Every turn lies on the turns beneath it: a point is lifted
+by half a thickness and by one more for each turn that covers it, fading over one element
+at the edges of that turn. The midline, so lifted, has the asked stretch; the stretch of
+the edges follows from the shape of the leg. Units: mm, radians.
+
+A surface to wrap is a function (theta, z, d_theta, d_z) -> points (..., 3) or their
+first derivatives, like `Leg.surface`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from solvers.leg_bandage.contact import project, solve2
+from solvers.leg_bandage.surfaces import Strip, interpolate_strip
+from surrogate.errors import SolverError
+
+Surface = Callable[..., np.ndarray]
+SAMPLES_A_TURN = 180
+EVEN_PASSES = 2
+"""Times the rows are shifted to even out what lifting by the layers does to them."""
+
+
+@dataclass(frozen=True)
+class Wrap:
+    """How a bandage is put on.
+
+    start_height  z of the midline at the first end, mm
+    end_height    z of the midline at the free end, mm
+    pitch         climb of the midline in one turn, mm
+    stretch       warp stretch of the midline
+    width         of the strip, mm
+    thickness     of one layer, mm
+    start_angle   theta of the first end (0 is lateral)
+    """
+
+    start_height: float
+    end_height: float
+    pitch: float
+    stretch: float = 1.3
+    width: float = 100.0
+    thickness: float = 0.5
+    start_angle: float = 0.0
+
+    @property
+    def turns(self) -> float:
+        """Number of turns, not rounded."""
+        return (self.end_height - self.start_height) / self.pitch
+
+
+@dataclass(frozen=True)
+class Lay:
+    """A laid bandage on ns x nw elements.
+
+    strip    its surface; X (n, 3) the control points in place
+    lengths  (ns,) unstretched warp length of each row of elements
+    skin     (ns, nw, 2) theta and z under each element's midpoint
+    cover    (ns, nw) share of the midpoint carried by the turn beneath, 0..1
+    beneath  (ns, nw, 2) strip parameters of the point of that turn beneath
+    layers   (ns, nw) number of layers at the midpoint, itself included
+    area     (ns, nw) laid area of the elements, mm2
+    theta    (ns + 1,) angle of the midline at the ends of the element rows
+    """
+
+    strip: Strip
+    X: np.ndarray
+    lengths: np.ndarray
+    skin: np.ndarray
+    cover: np.ndarray
+    beneath: np.ndarray
+    layers: np.ndarray
+    area: np.ndarray
+    theta: np.ndarray
+
+
+def wrap_for(length: float, *, overlap: float, width=100.0, start_height=-10.0, **more) -> Wrap:
+    """The spiral that brings the upper edge of the free end to the top of a leg of this length.
+
+    overlap is the share of the width that lies on the turn before. Raises SolverError
+    when less than one turn fits.
+    """
+    wrap = Wrap(start_height, length - width / 2, (1 - overlap) * width, width=width, **more)
+    if wrap.turns < 1:
+        raise SolverError(
+            f"a leg of {length:.0f} mm takes {max(wrap.turns, 0):.1f} turns of a bandage "
+            f"{width:.0f} mm wide; take a narrower bandage or a longer leg"
+        )
+    return wrap
+
+
+def element_rows(surface: Surface, wrap: Wrap, size: float) -> int:
+    """Number of element rows of about `size` mm (laid) along the midline."""
+    _, arc = _midline_arc(surface, wrap)
+    return max(int(round(arc[-1] / size)), 8)
+
+
+def lay(surface: Surface, wrap: Wrap, ns: int, nw: int) -> Lay:
+    """Lay a strip of ns x nw elements whose rows have the same length along its midline."""
+    angles, arc = _midline_arc(surface, wrap)
+    rank = np.arange(ns + 3) - 1.0
+    knots = CubicSpline(arc, angles)(rank / ns * arc[-1])
+    for _ in range(EVEN_PASSES):
+        laid = lay_rows(surface, wrap, knots, nw)
+        ends = np.concatenate([[0.0], np.cumsum(laid.lengths)])
+        knots = CubicSpline(ends, knots[1:-1])(rank / ns * ends[-1])
+    return lay_rows(surface, wrap, knots, nw)
+
+
+def lay_rows(surface: Surface, wrap: Wrap, knots: np.ndarray, nw: int) -> Lay:
+    """Lay a strip whose element rows end at the angles `knots` (ns + 3,).
+
+    The first and the last row of `knots` belong to the ring of elements outside the strip.
+    """
+    ns = len(knots) - 3
+    theta_mid = (knots[1:] + knots[:-1]) / 2
+    place = across(surface, wrap, theta_mid, nw)
+    bare = surface(place[..., 0], place[..., 1])
+    strip = Strip(ns, nw)
+    cover, beneath, covers = _turns_beneath(strip, bare, wrap, theta_mid, nw)
+    lift = wrap.thickness * (0.5 + covers.sum(axis=0))
+    X = interpolate_strip(bare + lift[..., None] * _normal(surface, place)).reshape(-1, 3)
+    inner = (slice(1, -1), slice(1, -1))
+    return Lay(
+        strip=strip,
+        X=X,
+        lengths=_midline_lengths(strip, X) / wrap.stretch,
+        skin=place[inner],
+        cover=cover[inner],
+        beneath=beneath[inner],
+        layers=1 + covers.sum(axis=0)[inner],
+        area=strip_area(strip, X),
+        theta=knots[1:-1],
+    )
+
+
+def across(surface: Surface, wrap: Wrap, theta_mid: np.ndarray, nw: int) -> np.ndarray:
+    """theta and z (rows, nw + 2, 2) of the element midpoints of rows at midline angles.
+
+    Starts at the midline at a right angle to it, in steps of true length along the
+    surface, keeping the direction as near as the tangent plane allows (Runge-Kutta 4).
+    """
+    z = wrap.start_height + wrap.pitch * (theta_mid - wrap.start_angle) / (2 * np.pi)
+    start = np.column_stack([theta_mid, z])
+    rise = wrap.pitch / (2 * np.pi)
+    along = surface(theta_mid, z, 1, 0) + rise * surface(theta_mid, z, 0, 1)
+    heading = np.cross(_normal(surface, start), along)
+    heading /= np.linalg.norm(heading, axis=1)[:, None]
+
+    step = wrap.width / nw
+    place = np.empty((len(theta_mid), nw + 2, 2))
+    half = (nw + 2) // 2
+    odd = nw % 2
+    for sign in (1, -1):
+        here = start
+        first = step if odd else step / 2
+        columns = range(half + odd, nw + 2) if sign > 0 else range(half - 1, -1, -1)
+        if odd:
+            place[:, half] = start
+        for column in columns:
+            here = _march(surface, here, heading, sign * first)
+            place[:, column] = here
+            first = step
+    return place
+
+
+def _march(surface, here, heading, step):
+    def rate(p):
+        tangents = np.stack([surface(*p.T, 1, 0), surface(*p.T, 0, 1)], axis=1)
+        metric = np.einsum("pac,pbc->pab", tangents, tangents)
+        flow = solve2(metric, np.einsum("pac,pc->pa", tangents, heading))
+        speed = np.sqrt(np.einsum("pa,pab,pb->p", flow, metric, flow))
+        return flow / speed[:, None]
+
+    k1 = rate(here)
+    k2 = rate(here + step / 2 * k1)
+    k3 = rate(here + step / 2 * k2)
+    k4 = rate(here + step * k3)
+    return here + step / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+
+
+def _normal(surface, place):
+    """Outward unit normals (..., 3) at theta, z (..., 2)."""
+    theta, z = place[..., 0], place[..., 1]
+    normal = np.cross(surface(theta, z, 1, 0), surface(theta, z, 0, 1))
+    return normal / np.linalg.norm(normal, axis=-1)[..., None]
+
+
+def _midline_arc(surface, wrap):
+    """Angles and running length of the midline on the bare surface, finely sampled."""
+    turn = 2 * np.pi
+    steps = int(np.ceil(wrap.turns * SAMPLES_A_TURN))
+    angles = wrap.start_angle + np.linspace(0, wrap.turns * turn, 2 * steps + 1)
+    z = wrap.start_height + wrap.pitch * (angles - wrap.start_angle) / turn
+    rate = surface(angles, z, 1, 0) + wrap.pitch / turn * surface(angles, z, 0, 1)
+    speed = np.linalg.norm(rate, axis=1)
+    simpson = (speed[:-2:2] + 4 * speed[1:-1:2] + speed[2::2]) * (angles[2] - angles[0]) / 6
+    return angles[::2], np.concatenate([[0.0], np.cumsum(simpson)])
+
+
+def _continued(at, arc, angles):
+    """Angles at running lengths `at`, by cubic interpolation continued beyond both ends."""
+
+
+    return CubicSpline(arc, angles)(at)
+
+
+def _turns_beneath(strip, bare, wrap, theta_mid, nw):
+    """Cover by the turn beneath, its parameters, and the cover of every turn (k, rows, nw + 2)."""
+    X = interpolate_strip(bare).reshape(-1, 3)
+    rows, columns = bare.shape[:2]
+    rank = np.arange(rows) - 0.5
+    depth = max(int(np.ceil(wrap.width / wrap.pitch)), 1)
+    covers = np.zeros((depth, rows, columns))
+    beneath = np.zeros((rows, columns, 2))
+    for k in range(1, depth + 1):
+        row = np.interp(theta_mid - 2 * np.pi * k, theta_mid, rank, left=-9.0)
+        column = np.arange(columns) - 0.5 + k * wrap.pitch * nw / wrap.width
+        seed = np.stack(np.broadcast_arrays(row[:, None], column), axis=-1)
+        near = (seed[..., 0] > -2) & (seed[..., 1] < nw + 2)
+        found = seed.copy()
+        found[near] = project(strip, bare[near], X, seed[near])
+        covers[k - 1] = np.where(near, _inside(found, strip), 0.0)
+        if k == 1:
+            beneath = found
+    return covers[0], beneath, covers
+
+
+def _inside(xi, strip):
+    """1 inside the strip, 0 outside, fading over one element centred on its edges."""
+    along = np.clip(xi[..., 0] + 0.5, 0, 1)
+    over = np.clip(np.minimum(xi[..., 1], strip.nw - xi[..., 1]) + 0.5, 0, 1)
+    fade = along * along * (3 - 2 * along)
+    return fade * over * over * (3 - 2 * over)
+
+
+GAUSS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)]), np.array([5, 8, 5]) / 18
+
+
+def _midline_lengths(strip, X):
+    """Length of the midline inside each row of elements, (ns,)."""
+    s = np.arange(strip.ns)[:, None] + GAUSS[0]
+    xi = np.column_stack([s.ravel(), np.full(s.size, strip.nw / 2)])
+    speed = np.linalg.norm(strip.at(xi, X)[:, 1], axis=1)
+    return speed.reshape(strip.ns, 3) @ GAUSS[1]
+
+
+def strip_area(strip, X):
+    """Area of each element (ns, nw), mm2, by three Gauss points each way."""
+    s, w = np.arange(strip.ns)[:, None] + GAUSS[0], np.arange(strip.nw)[:, None] + GAUSS[0]
+    xi = np.stack(np.meshgrid(s.ravel(), w.ravel(), indexing="ij"), -1).reshape(-1, 2)
+    jet = strip.at(xi, X)
+    density = np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)
+    density = density.reshape(strip.ns, 3, strip.nw, 3)
+    return np.einsum("iajb,a,b->ij", density, GAUSS[1], GAUSS[1])
