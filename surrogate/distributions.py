@@ -114,7 +114,9 @@ def distribution(name: str, *, range: Range = UNBOUNDED, **words: float) -> Dist
         raise StudyError(f"range [{lower:g}, {upper:g}] is upside down or empty; "
                          "write [smallest, largest]")
     base, named = _base(name, (lower, upper), words)
-    support = (max(lower, float(base.support()[0])), min(upper, float(base.support()[1])))
+    support = (lower, upper)
+    if name not in ("uniform", "triangular"):  # scipy rounds the ends of these
+        support = (max(lower, float(base.support()[0])), min(upper, float(base.support()[1])))
     if not support[0] < support[1] or not base.cdf(support[1]) - base.cdf(support[0]) > 1e-12:
         raise StudyError(f"range [{lower:g}, {upper:g}] holds no probability of this "
                          f"{name} distribution; move the range or the distribution")

@@ -27,7 +27,9 @@ DESIGNS = "surrogate.designs"
 AUGMENTATIONS = "surrogate.augmentations"
 REGRESSORS = "surrogate.regressors"
 SENSITIVITY = "surrogate.sensitivity"
-GROUPS = (SOLVERS, DESIGNS, AUGMENTATIONS, REGRESSORS, SENSITIVITY)
+#: The groups, and what one of each is called.
+NOUNS = {SOLVERS: "solver", DESIGNS: "design method", AUGMENTATIONS: "augmentation",
+         REGRESSORS: "regressor", SENSITIVITY: "sensitivity method"}
 
 
 def available(group: str) -> dict[str, EntryPoint]:
@@ -47,8 +49,7 @@ def load(group: str, name: str, folder: Path | None = None) -> Any:
     if ":" in name:
         _make_importable(folder)
         return _load(name, lambda: _resolve(name))
-    kind = group.rsplit(".", 1)[-1]
-    raise PluginError(f"'{name}' is not one of the {kind}; {nearest(name, installed)}; "
+    raise PluginError(f"{NOUNS[group]} '{name}' is unknown; {nearest(name, installed)}; "
                       "or write module:object")
 
 

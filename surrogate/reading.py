@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -93,7 +94,13 @@ def solver_of(reading: Reading) -> tuple[Recipe, Solver | None]:
     with reading.noting("solver", "name"):
         mistakes = plugins.option_mistakes(factory.find(), part.options, GIVEN_TO_SOLVERS)
         reading.options_wrong(mistakes, "solver", "options")
-        return recipe, None if mistakes else _built(recipe, reading)
+        if not mistakes:
+            return recipe, _built(recipe, reading)
+        # The options that are right may build a solver to check the rest of the study with.
+        wrong = {option for option, _ in mistakes}
+        sound = {name: value for name, value in part.options.items() if name not in wrong}
+        aside = replace(reading, mistakes=[])
+        return recipe, _built(replace(recipe, options=sound), aside)
     return recipe, None
 
 
@@ -163,21 +170,19 @@ def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
 
 def _check_accepted(support: tuple[float, float], taken: Input) -> None:
     """Refuse a support that reaches beyond what the solver accepts."""
-    mistakes = []
-    for value, limit, over in ((support[0], taken.range[0], support[0] < taken.range[0]),
-                               (support[1], taken.range[1], support[1] > taken.range[1])):
-        if not over:
-            continue
-        word = "smallest" if limit == taken.range[0] else "largest"
-        side = "below" if word == "smallest" else "above"
-        if np.isfinite(value):
-            mistakes.append(f"{value:g} {taken.unit} is {side} the {word} value the solver "
-                            f"accepts ({limit:g} {taken.unit}); check the range and the unit")
-        else:
-            mistakes.append(f"this distribution has no {word} value, but the solver accepts "
-                            f"none {side} {limit:g} {taken.unit}; add range: [.., ..]")
-    if mistakes:
-        raise StudyError(*mistakes)
+    unit = f" {taken.unit}".rstrip()
+    ends = (("smallest", "below", support[0], taken.range[0], support[0] < taken.range[0]),
+            ("largest", "above", support[1], taken.range[1], support[1] > taken.range[1]))
+    over = [end[:4] for end in ends if end[4]]
+    if not all(np.isfinite(value) for _, _, value, _ in over):
+        raise StudyError("this distribution goes beyond what the solver accepts "
+                         f"({taken.range[0]:g} to {taken.range[1]:g}{unit}); "
+                         "add range: [.., ..] to cut it off")
+    if over:
+        raise StudyError(*(
+            f"{value:g}{unit} is {side} the {word} value that the solver accepts "
+            f"({limit:g}{unit}); check the value and its unit"
+            for word, side, value, limit in dict.fromkeys(over)))
 
 
 def _categorical(name: str, part: ParameterPart, taken: Input) -> Parameter:
@@ -259,8 +264,11 @@ def outputs_of(reading: Reading, solver: Solver, space: Space | None) -> tuple[s
     return tuple(kept)
 
 
-def designs_of(reading: Reading, space: Space) -> dict[str, Design]:
-    """Coded points of every design, augmentations included."""
+def designs_of(reading: Reading, space: Space | None) -> dict[str, Design]:
+    """Coded points of every design, augmentations included.
+
+    Without a space, methods and options are checked all the same.
+    """
     designs = {}
     for name, part in reading.part.designs.items():
         design = _design(reading, space, name, part)
@@ -271,22 +279,26 @@ def designs_of(reading: Reading, space: Space) -> dict[str, Design]:
     return designs
 
 
-def _design(reading: Reading, space: Space, name: str, part: DesignPart) -> Design | None:
+def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) -> Design | None:
     path = ("designs", name)
-    coded = _points(reading, plugins.DESIGNS, part, path, space)
-    if coded is None:
+    first = _method(reading, plugins.DESIGNS, part, path)
+    more = [_method(reading, plugins.AUGMENTATIONS, addition, (*path, "augment", index))
+            for index, addition in enumerate(part.augment)]
+    if space is None or first is None or None in more:
         return None
-    added = [_points(reading, plugins.AUGMENTATIONS, more, (*path, "augment", index), space, coded)
-             for index, more in enumerate(part.augment)]
-    if any(rows is None for rows in added):
-        return None
-    return Design(name, part.method, dict(part.options), np.vstack([coded, *added]),
-                  tuple((more.method, len(rows))
-                        for more, rows in zip(part.augment, added, strict=True)))
+    with reading.noting(*path):
+        coded = np.asarray(first(space), dtype=float)
+        added = []
+        for addition, method in zip(part.augment, more, strict=True):
+            rows = method(space, coded)
+            added.append((addition.method, len(rows)))
+            coded = np.vstack([coded, rows])
+        return Design(name, part.method, dict(part.options), coded, tuple(added))
+    return None
 
 
-def _points(reading, group, part, path, space, *coded) -> np.ndarray | None:
-    """Points of one method; None when the study asks for it wrongly."""
+def _method(reading: Reading, group: str, part, path: studyfile.Path):
+    """The plug-in of a design with its options filled in; None when they are wrong."""
     with reading.noting(*path, "method"):
         function = plugins.load(group, part.method, reading.folder)
         mistakes = plugins.option_mistakes(function, part.options, GIVEN_TO_DESIGNS)
@@ -297,7 +309,7 @@ def _points(reading, group, part, path, space, *coded) -> np.ndarray | None:
         given = {"folder": reading.folder} if "folder" in taken else {}
         if "seed" in taken:
             given["seed"] = part.options.get("seed", 0)
-        return np.asarray(function(space, *coded, **{**part.options, **given}), dtype=float)
+        return partial(function, **{**part.options, **given})
     return None
 
 

@@ -156,7 +156,7 @@ def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
     space = reading.space_of(notes, solver) if solver else None
     constants = reading.constants_of(notes, solver) if solver else {}
     outputs = reading.outputs_of(notes, solver, space) if solver else ()
-    designs = reading.designs_of(notes, space) if space else {}
+    designs = reading.designs_of(notes, space)
     surrogates = reading.surrogates_of(notes, designs, space)
     sensitivity = reading.sensitivity_of(notes, space)
     if notes.mistakes:

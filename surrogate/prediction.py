@@ -1,0 +1,145 @@
+"""Predictions of a study's surrogates at points that people write down."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from surrogate import units
+from surrogate.errors import ResultsError, StudyError, nearest
+from surrogate.space import Space
+from surrogate.study import Fits, Study
+
+
+@dataclass(frozen=True)
+class Predictions:
+    """One row a point, `inside` telling whether the study's ranges cover it.
+
+    rows  {"point", "inputs", "inside", "outputs": {name: {"surrogate", "value", "low", "high"}}}
+    note  what a reader should know before relying on them; may be empty
+    """
+
+    rows: list[dict[str, Any]]
+    note: str = ""
+
+
+def predict(study: Study, results: Path, surrogate: str | None, words: Sequence[str],
+            points: Path | None) -> Predictions:
+    """Values and 95 % intervals at `name=value` words, or at the rows of a CSV file.
+
+    surrogate: its name; None for the best of each output. Values are in the solver's
+    unit unless they carry one (`tension='98 N/m'`). Raises `StudyError` for points that
+    are not understood and `ResultsError` when no runs are stored.
+    """
+    physical = _from_words(study, words) if points is None else _from_csv(study, points, words)
+    coded = study.space.encode(physical)
+    fits, note = _fits(study, results, surrogate)
+    inside = study.space.contains(coded)
+    outputs = {output: (name, *_with_interval(fits[name][output], coded))
+               for output, name in _chosen(study, fits, results, surrogate).items()}
+    return Predictions([_row(study.space, physical, inside, outputs, i)
+                        for i in range(len(coded))], note)
+
+
+def _row(space: Space, physical, inside, outputs, i: int) -> dict[str, Any]:
+    return {"point": i,
+            "inputs": {name: np.asarray(physical[name])[i].item() for name in space.names},
+            "inside": bool(inside[i]),
+            "outputs": {output: {"surrogate": name, "value": mean[i].tolist(),
+                                 "low": low[i].tolist(), "high": high[i].tolist()}
+                        for output, (name, mean, low, high) in outputs.items()}}
+
+
+def _with_interval(fit, coded):
+    return fit.predict(coded), *fit.interval(coded)
+
+
+def _fits(study: Study, results: Path, surrogate: str | None) -> tuple[Fits, str]:
+    if not study.surrogates:
+        raise StudyError("the study has no surrogates to predict with; add surrogates:")
+    if surrogate is not None and surrogate not in study.surrogates:
+        raise StudyError(f"surrogate '{surrogate}' is unknown; "
+                         f"{nearest(surrogate, study.surrogates)}")
+    stored = study.stored(results)
+    done = int((stored["status"] == "ok").sum())
+    if not done:
+        raise ResultsError(f"{results} holds no finished runs of this study; "
+                           "do `surrogate run` first")
+    missing = int((stored["status"] == "missing").sum())
+    note = f"{missing} runs of the study are not done yet; the surrogates lack them." \
+        if missing else ""
+    chosen = study if surrogate is None else study.with_surrogates([surrogate])
+    return chosen.fit(stored), note
+
+
+def _chosen(study: Study, fits: Fits, results: Path, surrogate: str | None) -> dict[str, str]:
+    """Which surrogate answers for each output."""
+    if surrogate is not None:
+        return {output: surrogate for output in fits[surrogate]}
+    best = study.best(study.compare(fits, study.stored(results))) if len(fits) > 1 else {}
+    return {output: best.get(output, next(iter(fits))) for output in study.outputs
+            if any(output in by_output for by_output in fits.values())}
+
+
+def _from_words(study: Study, words: Iterable[str]) -> dict[str, np.ndarray]:
+    """Columns of one point from `name=value` words; all mistakes at once."""
+    mistakes, given = [], {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not equals:
+            mistakes.append(f"'{word}' is not name=value")
+        elif name not in study.space.names:
+            mistakes.append(f"parameter '{name}' is unknown; {nearest(name, study.space.names)}")
+        elif name in given:
+            mistakes.append(f"parameter '{name}' is given twice")
+        else:
+            given[name] = value
+    return _columns(study.space, [given], mistakes, [""])
+
+
+def _from_csv(study: Study, path: Path, words: Sequence[str]) -> dict[str, np.ndarray]:
+    """Columns of the points in a CSV file whose header names the parameters."""
+    if words:
+        raise StudyError("give either name=value words or --points, not both")
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = list(csv.DictReader(file))
+    except (OSError, UnicodeDecodeError) as error:
+        raise StudyError(f"{path}: cannot be read: {error}") from None
+    if not rows:
+        raise StudyError(f"{path}: holds no points; its first line names the parameters, "
+                         "each further line is a point")
+    places = [f"{path}:{line}: " for line in range(2, len(rows) + 2)]
+    return _columns(study.space, rows, [], places)
+
+
+def _columns(space: Space, rows: Sequence[Mapping[str, str]], mistakes: list[str],
+             places: Sequence[str]) -> dict[str, np.ndarray]:
+    missing = [name for name in space.names if name not in rows[0]]
+    if missing:
+        mistakes.append(f"{places[0]}no value for {', '.join(missing)}")
+    columns: dict[str, list] = {name: [] for name in space.names}
+    for row, place in zip(rows, places, strict=True):
+        for name in (name for name in space.names if name not in missing):
+            try:
+                columns[name].append(_value(space, name, row[name]))
+            except StudyError as error:
+                mistakes += [f"{place}{name}: {sentence}" for sentence in error.mistakes]
+    if mistakes:
+        raise StudyError(*mistakes)
+    return {name: np.asarray(values) for name, values in columns.items()}
+
+
+def _value(space: Space, name: str, text: str | None) -> float | str:
+    if text is None:
+        raise StudyError("no value in this line")
+    parameter = space[name]
+    if parameter.categorical:
+        parameter.encode([text])
+        return text
+    return units.quantity(text, parameter.unit)

@@ -1,0 +1,145 @@
+"""What the command prints: each function turns a study and its results into a `Page`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from rich.console import Console
+from rich.table import Table
+
+from surrogate import plugins, prediction
+from surrogate import runs as rundata
+from surrogate.progress import duration
+from surrogate.study import Study
+
+
+@dataclass(frozen=True)
+class Page:
+    """People's text for the terminal, and the same as data for `--json`."""
+
+    data: Any
+    parts: Sequence[Any] = field(default=())
+
+    def show(self, console: Console) -> None:
+        """Print the text, nothing cut off where lines can wrap."""
+        for part in self.parts:
+            console.print(part, highlight=False, markup=False, soft_wrap=isinstance(part, str))
+
+
+def table(title: str, headings: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
+    """A table with numbers aligned to the right."""
+    made = Table(title=title, title_justify="left", box=None, pad_edge=False)
+    for j, heading in enumerate(headings):
+        numeric = bool(rows) and all(isinstance(row[j], int | float) for row in rows)
+        made.add_column(heading, justify="right" if numeric else "left", overflow="fold")
+    for row in rows:
+        made.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row))
+    return made
+
+
+def check(study: Study, results: Path) -> Page:
+    """Parameters, designs, aliasing, run count, time estimate."""
+    stored = study.stored(results)
+    counts = rundata.counts(stored)
+    parameters = [(p.name, p.unit, ", ".join(p.levels) if p.categorical else str(p.distribution))
+                  for p in study.space.parameters]
+    designs = [(d.name, d.method, d.runs, ", ".join(f"{m} {n}" for m, n in d.added))
+               for d in study.designs.values()]
+    aliases = study.aliases
+    parts: list[Any] = [f"{study.name}: {study.about}\n",
+                        table("parameters", ("name", "unit", "values"), parameters), ""]
+    if study.constants:
+        rows = [(name, study.recipe.solver.inputs[name].unit, value)
+                for name, value in study.constants.items()]
+        parts += [table("constants", ("name", "unit", "value"), rows), ""]
+    parts += [table("designs", ("name", "method", "runs", "of these added"), designs), ""]
+    for name, alias in aliases.items():
+        parts.append(f"aliasing of {name}: {alias}\n")
+    parts += [_surrogate_line(study), _runs_line(study, stored, counts)]
+    data = {"study": study.name, "solver": study.recipe.name,
+            "parameters": [dict(zip(("name", "unit", "values"), row, strict=True))
+                           for row in parameters],
+            "constants": dict(study.constants),
+            "designs": {name: {"method": d.method, "runs": d.runs}
+                        for name, d in study.designs.items()},
+            "aliasing": {name: {"resolution": a.resolution,
+                                "word_length_pattern": a.word_length_pattern,
+                                "table": a.table} for name, a in aliases.items()},
+            "runs": counts, "seconds_left": _seconds_left(study, stored)}
+    return Page(data, parts)
+
+
+def _surrogate_line(study: Study) -> str:
+    named = [f"{s.name} ({s.method}, from {' + '.join(s.train)})"
+             for s in study.surrogates.values()]
+    return f"surrogates: {', '.join(named) or 'none'}"
+
+
+def _seconds_left(study: Study, stored: xr.Dataset) -> float | None:
+    return rundata.seconds_left(stored, study.workers)
+
+
+def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int]) -> str:
+    total, left = stored.sizes["run"], counts["missing"]
+    if not left:
+        return f"runs: all {total} are stored; nothing is left to run"
+    seconds = _seconds_left(study, stored)
+    time = "time unknown until the first run is done" if seconds is None else \
+        f"about {duration(seconds)} with {study.workers} workers"
+    return f"runs: {total}, of which {total - left} are stored; {left} to do: {time}"
+
+
+def status(study: Study, results: Path) -> Page:
+    """Runs done, failed, left; time left; why runs failed."""
+    stored = study.stored(results)
+    counts = rundata.counts(stored)
+    words = {"ok": "done", "failed": "failed", "timed_out": "timed out", "missing": "left"}
+    parts: list[Any] = [f"{study.name}: " + ", ".join(
+        f"{counts[key]} {word}" for key, word in words.items() if counts[key])]
+    troubled = rundata.select(stored, statuses=("failed", "timed_out"))
+    reasons = dict.fromkeys(f"run {run}: {message}" for run, message in zip(
+        np.flatnonzero(np.isin(stored["status"], ("failed", "timed_out"))),
+        troubled["message"].values, strict=True))
+    parts += [f"  {reason}" for reason in list(reasons)[:10]]
+    if len(reasons) > 10:
+        parts.append(f"  and {len(reasons) - 10} more; the report lists all")
+    if counts["missing"]:
+        parts.append(_runs_line(study, stored, counts))
+    return Page({"study": study.name, "runs": counts,
+                 "seconds_left": _seconds_left(study, stored)}, parts)
+
+
+def predict(study: Study, results: Path, surrogate: str | None, words: Sequence[str],
+            points: Path | None) -> Page:
+    """Values with intervals at points given as words or as a CSV file."""
+    found = prediction.predict(study, results, surrogate, words, points)
+    parts: list[Any] = [found.note] if found.note else []
+    rows = []
+    for row in found.rows:
+        for output, answer in row["outputs"].items():
+            unit = study.recipe.solver.outputs[output].unit
+            value = answer["value"]
+            shown = f"{value:.5g} {unit}".strip() if np.ndim(value) == 0 else \
+                f"field {np.shape(value)} {unit}: mean {np.mean(value):.5g}"
+            low, high = answer["low"], answer["high"]
+            interval = f"[{low:.5g}, {high:.5g}]" if np.ndim(low) == 0 else "see --json"
+            rows.append((row["point"], output, answer["surrogate"], shown, interval,
+                         "inside" if row["inside"] else "OUTSIDE"))
+    parts.append(table("", ("point", "output", "surrogate", "value", "95 % interval",
+                            "range of the study"), rows))
+    return Page(found.rows, parts)
+
+
+def plugins_page() -> Page:
+    """Every installed plug-in with the first line of its documentation."""
+    data = {group.rsplit(".", 1)[-1]: {name: plugins.summary(point)
+                                       for name, point in plugins.available(group).items()}
+            for group in plugins.NOUNS}
+    parts = [table(kind, ("name", "what it is"), list(rows.items()))
+             for kind, rows in data.items()]
+    return Page(data, [part for made in parts for part in (made, "")])
