@@ -98,7 +98,8 @@ class Shell:
 
     def strains(self, u: np.ndarray) -> np.ndarray:
         """l1, l2, sin(gamma), k11, k22, 2 k12 at the quadrature points, (6, 4, n_elements)."""
-        return frame(_derivatives(self.slopes, (self.start + u.reshape(-1, 3))[self.points])).strains
+        places = self.start + u.reshape(-1, 3)
+        return frame(_derivatives(self.slopes, places[self.points])).strains
 
     def _pattern(self) -> tuple[np.ndarray, np.ndarray]:
         """Triplet pattern in the order of the tangent values: (a, b, element, i, j)."""

@@ -1,0 +1,74 @@
+"""Named bandages, with where each number comes from.
+
+Chassagne et al. 2018 give the tension at stretch 1.3 as a range, 0.059..0.137 N/mm, for the
+two bandages of their measurements together; they take the other constants from an article
+that prints none of them openly. Every value here is therefore marked `assumed`, with its
+ground, and none carries a tension curve: give a measured one to `Fabric(curve=...)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from solvers.leg_bandage.fabric import Fabric
+from surrogate.errors import SolverError, nearest
+
+STRETCH = 1.3
+
+NOMINAL = Fabric(
+    K1=0.098 / 0.3, K2=0.3, nu12=0.2, G=0.05, F1=0.05, F2=0.05, tau12=0.02, thickness=0.7
+)
+
+_FABRICS = "size of Kawabata's figures for woven and knitted fabrics, not this bandage's"
+ASSUMED: Mapping[str, str] = {
+    "K2": "assumed: as stiff in the weft as in the warp, rounded",
+    "nu12": "assumed",
+    "G": f"assumed: 0.9 gf / (cm degree), {_FABRICS}",
+    "F1": f"assumed: 0.5 gf cm^2 / cm, {_FABRICS}; its share of the pressure is F1 / r^3",
+    "F2": "assumed: as F1",
+    "tau12": "assumed: that of an isotropic sheet with the same bending, rounded",
+    "thickness": "assumed",
+}
+
+
+@dataclass(frozen=True)
+class Bandage:
+    """A bandage on the shelf: its fabric, its width in mm, and the source of each constant."""
+
+    fabric: Fabric
+    sources: Mapping[str, str]
+    width: float = 100.0
+
+
+def at_tension(tension: float, fabric: Fabric = NOMINAL) -> Fabric:
+    """The fabric with warp tension `tension` (N/mm) at stretch 1.3: K1 = tension / 0.3.
+
+    Chassagne et al. 2018, equation 10. A tension curve is scaled to pass through that point.
+    """
+    if not tension > 0:
+        raise SolverError(f"tension: {tension!r} N/mm must be above 0")
+    if not fabric.curve:
+        return replace(fabric, K1=tension / (STRETCH - 1))
+    scale = tension / float(fabric.tension(STRETCH))
+    curve = tuple((stretch, scale * force) for stretch, force in fabric.curve)
+    return replace(fabric, K1=tension / (STRETCH - 1), curve=curve)
+
+
+def bandage(name: str) -> Bandage:
+    """The bandage of that name; raises SolverError when there is none."""
+    if name not in BANDAGES:
+        raise SolverError(f"bandage: {nearest(name, BANDAGES)}")
+    return BANDAGES[name]
+
+
+def _within_range(tension: float, place: str) -> Bandage:
+    ground = f"assumed: {place} of the range 0.059..0.137 N/mm that Chassagne et al. 2018 " \
+             "print for the two bandages together"
+    return Bandage(at_tension(tension), {"K1": ground, **ASSUMED})
+
+
+BANDAGES: Mapping[str, Bandage] = {
+    "biflex_16": _within_range(0.0785, "a quarter of the way through"),
+    "biflex_17": _within_range(0.1175, "three quarters of the way through"),
+}

@@ -1,0 +1,1 @@
+"""Boundary value problems with known answers, for the tests and the benchmarks."""

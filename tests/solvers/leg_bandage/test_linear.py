@@ -1,0 +1,90 @@
+"""Triplets to one sparse system, and its direct solution."""
+
+import importlib.util
+
+import numpy as np
+import pytest
+
+from solvers.leg_bandage.linear import System, compress, direct_solver
+from surrogate.errors import SolverError
+
+ENGINES = ["superlu"] + (["pardiso"] if importlib.util.find_spec("pypardiso") else [])
+
+
+class Random:
+    """Part with a random pattern and values that change at each call."""
+
+    def __init__(self, n, nnz, seed):
+        self.rng = np.random.default_rng(seed)
+        diagonal = np.arange(n)
+        self.rows = np.concatenate([diagonal, self.rng.integers(0, n, nnz)])
+        self.cols = np.concatenate([diagonal, self.rng.integers(0, n, nnz)])
+        self.n = n
+
+    def linearise(self, u):
+        values = self.rng.normal(size=len(self.rows))
+        values[: self.n] += 20.0
+        self.dense = np.zeros((self.n, self.n))
+        np.add.at(self.dense, (self.rows, self.cols), values)
+        return self.dense @ u, values
+
+
+def test_compressed_columns_equal_the_dense_sum():
+    """Every triplet lands once, duplicates add up, indices are sorted in each column."""
+    rng = np.random.default_rng(0)
+    rows, cols = rng.integers(-1, 30, (2, 2000))
+    values = rng.normal(size=2000)
+    pattern, slots = compress(rows, cols, 30)
+    kept = (rows >= 0) & (cols >= 0)
+    dense = np.zeros((30, 30))
+    np.add.at(dense, (rows[kept], cols[kept]), values[kept])
+    pattern.data = np.bincount(slots, values, minlength=pattern.nnz + 1)[:-1]
+    np.testing.assert_allclose(pattern.toarray(), dense, atol=1e-13)
+    assert pattern.has_sorted_indices
+    assert np.all(slots[~kept] == pattern.nnz)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_solution_equals_dense_elimination_for_changing_values(engine):
+    """Three factorisations on one pattern, unsymmetric, with fixed dofs, against LAPACK."""
+    n, fixed = 60, np.array([3, 17, 59])
+    parts = [Random(n, 400, 1), Random(n, 100, 2)]
+    system = System(parts, n, fixed, engine)
+    free = np.setdiff1d(np.arange(n), fixed)
+    rng = np.random.default_rng(3)
+    for _ in range(3):
+        u, rhs = rng.normal(size=(2, n))
+        residual, packed = system.linearise(u)
+        dense = parts[0].dense + parts[1].dense
+        np.testing.assert_allclose(residual, dense @ u, rtol=1e-12)
+        system.factorise(packed)
+        expected = np.linalg.solve(dense[np.ix_(free, free)], rhs[free])
+        found = system.solve(rhs)
+        np.testing.assert_allclose(found[free], expected, rtol=1e-10)
+        assert np.all(found[fixed] == 0)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_same_system_gives_the_same_digits(engine):
+    """Two engines of a kind on one matrix: not one bit differs."""
+    answers = []
+    for _ in range(2):
+        part = Random(200, 2000, 5)
+        system = System([part], 200, solver=engine)
+        system.factorise(system.linearise(np.zeros(200))[1])
+        answers.append(system.solve(np.arange(200.0)))
+    assert np.array_equal(*answers)
+
+
+def test_a_loose_body_is_reported_as_singular():
+    """A matrix of zeros: SuperLU says so in a sentence, not a traceback."""
+    pattern, _ = compress(np.arange(4), np.arange(4), 4)
+    with pytest.raises(SolverError, match="singular"):
+        direct_solver("superlu", pattern).factorise(np.zeros(4))
+
+
+def test_unknown_engine_is_named():
+    """The sentence offers the nearest spelling."""
+    pattern, _ = compress(np.arange(2), np.arange(2), 2)
+    with pytest.raises(SolverError, match="did you mean 'pardiso'"):
+        direct_solver("paradiso", pattern)
