@@ -1,0 +1,155 @@
+"""What a section of the page is made of: sentences, tables, figures and folded parts.
+
+Plain text everywhere; the template escapes it. Only drawings arrive as markup.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+from markupsafe import Markup
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph; `tone` is plain, note, warning, good or lead."""
+
+    words: str
+    tone: str = "plain"
+    kind: str = field(default="text", init=False)
+
+
+@dataclass(frozen=True)
+class Points:
+    """A list of sentences."""
+
+    items: tuple[str, ...]
+    tone: str = "plain"
+    kind: str = field(default="points", init=False)
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A table cell: what is printed, the value it sorts by, and how it looks."""
+
+    words: str
+    sort: float | str | None = None
+    tone: str = ""
+
+
+@dataclass(frozen=True)
+class Head:
+    """A column's head; `numeric` columns are set flush right."""
+
+    words: str
+    numeric: bool = True
+    hint: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Heads and rows of cells; the first column names the row."""
+
+    caption: str
+    heads: tuple[Head, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    sortable: bool = False
+    wide: bool = False
+    kind: str = field(default="table", init=False)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A drawing and the sentence under it."""
+
+    drawing: Markup
+    caption: str
+    wide: bool = False
+    stamp: str = ""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Drawings that stand side by side where there is room."""
+
+    items: tuple[Figure, ...]
+    small: bool = False
+    kind: str = field(default="figures", init=False)
+
+
+@dataclass(frozen=True)
+class Fold:
+    """Blocks behind a title that opens them; print shows them open."""
+
+    title: str
+    blocks: tuple
+    open: bool = False
+    kind: str = field(default="fold", init=False)
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Text as it was written, such as a study file."""
+
+    words: str
+    kind: str = field(default="listing", init=False)
+
+
+@dataclass(frozen=True)
+class Fact:
+    """One line of the answer: a question, its short answer and the reason."""
+
+    question: str
+    answer: str
+    because: str = ""
+
+
+@dataclass(frozen=True)
+class Facts:
+    """The answers side by side."""
+
+    items: tuple[Fact, ...]
+    kind: str = field(default="facts", init=False)
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading inside a section, reachable from the contents."""
+
+    words: str
+    anchor: str
+    kind: str = field(default="heading", init=False)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A titled part of the page."""
+
+    anchor: str
+    title: str
+    blocks: tuple
+
+    @property
+    def headings(self) -> list[Heading]:
+        """The headings inside, for the contents."""
+        return [block for block in self.blocks if isinstance(block, Heading)]
+
+
+def heads(*words: str, names: int = 1) -> tuple[Head, ...]:
+    """Column heads of which the first `names` hold words and the others numbers."""
+    return tuple(Head(word, numeric=k >= names) for k, word in enumerate(words))
+
+
+def cells(words: Iterable[str], values: Sequence | None = None) -> list[Cell]:
+    """A column of cells, sorted by `values` when given."""
+    words = list(words)
+    values = [None] * len(words) if values is None else values
+    return [Cell(word, value if isinstance(value, str) or value is None else float(value))
+            for word, value in zip(words, values, strict=True)]
+
+
+def anchor(*words: str) -> str:
+    """A fragment name made of these words."""
+    joined = "-".join(words).lower()
+    return "".join(letter if letter.isalnum() else "-" for letter in joined)

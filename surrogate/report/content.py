@@ -1,0 +1,162 @@
+"""What a report is made from: plain datasets, fits and the decisions drawn from them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from surrogate.fitting import Fit
+from surrogate.runs import RESERVED_NAMES
+from surrogate.space import Space
+
+#: Below this Q2 a surrogate's predictions are called poor.
+POOR_Q2 = 0.9
+
+
+@dataclass(frozen=True)
+class Content:
+    """Everything that the page shows; whatever is missing is left out of it, and said so.
+
+    name, about     the study's name and what it asks
+    space           the parameters
+    runs            the runs dataset, failed runs included
+    fits            surrogate -> output -> fit
+    comparison      dataset over (surrogate, output)
+    regression      surrogate -> output -> regression table
+    sensitivity     dataset over (output, parameter)
+    screening       which parameters to keep
+    aliasing        design -> aliasing of a two-level fraction
+    reduced_study   text of the study file without the frozen parameters
+    """
+
+    name: str
+    space: Space
+    runs: xr.Dataset
+    about: str = ""
+    fits: Mapping[str, Mapping[str, Fit]] = field(default_factory=dict)
+    comparison: xr.Dataset | None = None
+    regression: Mapping[str, Mapping[str, xr.Dataset]] = field(default_factory=dict)
+    sensitivity: xr.Dataset | None = None
+    screening: Any = None
+    aliasing: Mapping[str, Any] = field(default_factory=dict)
+    reduced_study: str = ""
+
+    @property
+    def outputs(self) -> list[str]:
+        """Names of the outputs, in the order of the runs dataset."""
+        apart = {*RESERVED_NAMES, *self.space.names}
+        return [str(name) for name, values in self.runs.data_vars.items()
+                if name not in apart and "run" in values.dims
+                and np.issubdtype(values.dtype, np.number)]
+
+    @property
+    def ok(self) -> np.ndarray:
+        """Which runs have an answer, shape (run,)."""
+        return self.words("status") == "ok"
+
+    @property
+    def failed(self) -> np.ndarray:
+        """Which runs were made and have no answer, shape (run,)."""
+        return ~self.ok & ~self.missing
+
+    @property
+    def missing(self) -> np.ndarray:
+        """Which runs have not been made yet, shape (run,)."""
+        return self.words("status") == "missing"
+
+    @property
+    def seconds(self) -> np.ndarray:
+        """Time of each run, NaN where unknown, shape (run,)."""
+        if "seconds" not in self.runs:
+            return np.full(self.runs.sizes["run"], np.nan)
+        return np.asarray(self.runs["seconds"].values, dtype=float)
+
+    @property
+    def deterministic(self) -> bool:
+        """False when the solver gives another answer to the same question."""
+        return str(self.runs.attrs.get("deterministic", "true")).lower() != "false"
+
+    def finished(self, output: str) -> np.ndarray:
+        """Which runs have a whole answer for this output, shape (run,)."""
+        values = self.values(output)
+        return self.ok & np.isfinite(values).reshape(len(values), -1).all(axis=1)
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """Run numbers as the dataset counts them, shape (run,)."""
+        return np.asarray(self.runs["run"].values if "run" in self.runs.coords
+                          else np.arange(self.runs.sizes["run"]))
+
+    @property
+    def coded(self) -> np.ndarray:
+        """Coded points (run, parameter)."""
+        return np.asarray(self.runs["coded"].values, dtype=float)
+
+    @property
+    def designs(self) -> list[str]:
+        """Names of the designs, in the order in which they appear."""
+        return list(dict.fromkeys(self.words("design")))
+
+    def words(self, variable: str) -> np.ndarray:
+        """A variable of words, shape (run,); empty words when it is missing."""
+        if variable not in self.runs:
+            return np.full(self.runs.sizes["run"], "", dtype=object)
+        return np.array([str(word) for word in self.runs[variable].values], dtype=object)
+
+    def unit(self, name: str) -> str:
+        """Unit of an output or a parameter."""
+        if name in self.space.names:
+            return self.space[name].unit
+        return str(self.runs[name].attrs.get("units", "")) if name in self.runs else ""
+
+    def values(self, output: str) -> np.ndarray:
+        """Values of an output, shape (run, ...) with its own dimensions behind."""
+        return np.asarray(self.runs[output].transpose("run", ...).values, dtype=float)
+
+    def is_field(self, output: str) -> bool:
+        """True when an output has dimensions of its own."""
+        return self.runs[output].ndim > 1
+
+    def fits_of(self, output: str) -> dict[str, Fit]:
+        """Fits of one output, by surrogate."""
+        return {name: by_output[output] for name, by_output in self.fits.items()
+                if output in by_output}
+
+    def row(self, surrogate: str, output: str) -> dict[str, float]:
+        """The comparison's numbers of one surrogate; empty when it has none."""
+        table = self.comparison
+        if table is None or surrogate not in table["surrogate"].values.astype(str):
+            return {}
+        if output not in table["output"].values.astype(str):
+            return {}
+        chosen = table.sel(surrogate=surrogate, output=output)
+        return {str(name): float(value) for name, value in chosen.data_vars.items()
+                if value.ndim == 0 and np.issubdtype(value.dtype, np.number)}
+
+    def q2(self, surrogate: str, output: str) -> float:
+        """Q2 on held-out runs when there are some, otherwise cross-validated; or NaN."""
+        row = self.row(surrogate, output)
+        test = row.get("q2_test", np.nan)
+        return test if np.isfinite(test) else row.get("q2_cv", np.nan)
+
+    def best(self, output: str) -> str | None:
+        """The surrogate that the comparison names best for this output."""
+        names = list(self.fits_of(output))
+        if self.comparison is not None:
+            named = _named_best(self.comparison, output)
+            if named in names:
+                return named
+        scores = {name: self.q2(name, output) for name in names}
+        known = {name: score for name, score in scores.items() if np.isfinite(score)}
+        return max(known, key=known.get) if known else next(iter(names), None)
+
+
+def _named_best(comparison: xr.Dataset, output: str) -> str | None:
+    """Best surrogate from the variable `best(output)`, or from the attribute of that name."""
+    if "best" in comparison and output in comparison["output"].values.astype(str):
+        return str(comparison["best"].sel(output=output).item())
+    return comparison.attrs.get("best")

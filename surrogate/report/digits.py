@@ -1,0 +1,182 @@
+"""Numbers as people read them: sensible digits, uncertainty beside the value, units set well."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+
+MINUS = "\N{MINUS SIGN}"
+THIN = "\N{NARROW NO-BREAK SPACE}"
+NOTHING = "\N{EN DASH}"
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def figure(value, digits: int = 3) -> str:
+    """A number with about `digits` significant digits; an en dash when there is none."""
+    if value is None or not np.isfinite(float(value)):
+        return _not_finite(value)
+    value = float(value)
+    if value == 0.0:
+        return "0"
+    exponent = math.floor(math.log10(abs(value)))
+    if not -4 <= exponent < 7:
+        return _scientific(value, digits)
+    return fixed(value, max(0, digits - 1 - exponent))
+
+
+def plain(value, digits: int = 6) -> str:
+    """A number as somebody wrote it: up to `digits` significant digits, no trailing zeros."""
+    text = figure(value, digits)
+    if "." in text and "×" not in text:
+        text = text.rstrip("0").rstrip(".")
+    return text
+
+
+def fixed(value, decimals: int) -> str:
+    """A number with this many decimals, thousands set apart and a true minus sign."""
+    if value is None or not np.isfinite(float(value)):
+        return _not_finite(value)
+    text = f"{float(value):,.{decimals}f}"
+    if not re.search("[1-9]", text):
+        text = text.lstrip("-")
+    whole = abs(float(value)) >= 10_000
+    return text.replace(",", THIN if whole else "").replace("-", MINUS)
+
+
+def decimals_of(values, digits: int = 3) -> int:
+    """Decimals with which the spread of these values shows `digits` significant digits."""
+    finite = np.asarray(values, dtype=float)
+    finite = finite[np.isfinite(finite)]
+    if finite.size == 0:
+        return 0
+    spread = float(np.ptp(finite)) or float(np.abs(finite).max())
+    return 0 if spread == 0.0 else int(np.clip(digits - 1 - _exponent(spread), 0, 9))
+
+
+def column(values, digits: int = 3) -> list[str]:
+    """A column of numbers with the same decimals throughout, so that the points line up."""
+    values = np.asarray(values, dtype=float)
+    largest = np.abs(values[np.isfinite(values)]).max(initial=0.0)
+    if largest >= 1e7 or 0.0 < largest < 1e-4:
+        return [figure(value, digits + 1) for value in values]
+    decimals = decimals_of(values, digits)
+    return [fixed(value, decimals) for value in values]
+
+
+def with_half(value, half) -> str:
+    """`11.54 ± 0.12`: two significant digits of the half-width decide the decimals."""
+    if not _finite(value) or not _finite(half) or half <= 0.0:
+        return figure(value)
+    if _awkward(value):
+        return f"{figure(value)} ± {figure(half, 2)}"
+    decimals = _interval_decimals(half)
+    return f"{fixed(value, decimals)} ± {fixed(half, decimals)}"
+
+
+def with_interval(value, low, high) -> str:
+    """`0.709 (0.690 to 0.731)`; the value alone when there is no interval."""
+    if not (_finite(value) and _finite(low) and _finite(high)):
+        return figure(value)
+    if _awkward(value):
+        return f"{figure(value)} ({figure(low)} to {figure(high)})"
+    decimals = _interval_decimals((high - low) / 2.0, fallback=decimals_of([value]))
+    return f"{fixed(value, decimals)} ({fixed(low, decimals)} to {fixed(high, decimals)})"
+
+
+def interval(low, high) -> str:
+    """`0.690 to 0.731`, with digits that show its width."""
+    if not (_finite(low) and _finite(high)):
+        return NOTHING
+    decimals = _interval_decimals((high - low) / 2.0, fallback=decimals_of([low]))
+    return f"{fixed(low, decimals)} to {fixed(high, decimals)}"
+
+
+def p_value(p) -> str:
+    """A probability: two digits, and no pretence below one in a thousand."""
+    if not _finite(p):
+        return NOTHING
+    return f"<{THIN}0.001" if p < 0.001 else figure(p, 2)
+
+
+def percent(share) -> str:
+    """`93.4 %` of a share 0.934; never rounded up to 100 or down to 0."""
+    if not _finite(share):
+        return NOTHING
+    decimals = 0 if abs(share) < 1e-12 or abs(share - 1.0) < 1e-12 else 1
+    if decimals and share > 0.9995 and share < 1.0:
+        return f"above 99.9{THIN}%"
+    if decimals and 0.0 < share < 0.0005:
+        return f"below 0.1{THIN}%"
+    return f"{fixed(100.0 * share, decimals)}{THIN}%"
+
+
+def duration(seconds) -> str:
+    """Seconds in the unit that people would use: 0.42 s, 3 min 10 s, 2 h 5 min, 1.3 days."""
+    if not _finite(seconds):
+        return NOTHING
+    if seconds < 100.0:
+        return f"{figure(seconds, 2)}{THIN}s"
+    whole = round(seconds)
+    if whole < 3600:
+        return f"{whole // 60}{THIN}min {whole % 60}{THIN}s"
+    if whole < 48 * 3600:
+        return f"{whole // 3600}{THIN}h {whole % 3600 // 60}{THIN}min"
+    return f"{fixed(whole / 86400.0, 1)} days"
+
+
+def unit(text: str) -> str:
+    """A unit as it is printed: `mm**2` becomes `mm²`, `kg*m/s^-2` becomes `kg·m/s⁻²`."""
+    raised = re.sub(r"\s*(?:\*\*|\^)\s*(-?\d+)", lambda power: power[1].translate(_RAISED), text)
+    return raised.replace("*", "·")
+
+
+def with_unit(text: str, units: str) -> str:
+    """A number and its unit, kept on one line; a dimensionless number stands alone."""
+    return f"{text}{THIN}{unit(units)}" if units and units not in ("1", "dimensionless") else text
+
+
+def labelled(name: str, units: str) -> str:
+    """An axis label or table head: `tension (N/mm)`, with (-) when dimensionless."""
+    printed = unit(units) if units and units not in ("1", "dimensionless") else NOTHING
+    return f"{name} ({printed})"
+
+
+def quantity(count: int, one: str, many: str = "") -> str:
+    """`1 run`, `3 runs`."""
+    return f"{count} {one if count == 1 else many or one + 's'}"
+
+
+def listing(words) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    words = [str(word) for word in words]
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+def _finite(value) -> bool:
+    return value is not None and bool(np.isfinite(float(value)))
+
+
+def _awkward(value) -> bool:
+    """Too large or too small to write out."""
+    return value != 0.0 and not -4 <= _exponent(value) < 7
+
+
+def _exponent(value) -> int:
+    return math.floor(math.log10(abs(float(value))))
+
+
+def _interval_decimals(half: float, fallback: int = 3) -> int:
+    return int(np.clip(1 - _exponent(half), 0, 9)) if half > 1e-12 else min(fallback, 6)
+
+
+def _scientific(value: float, digits: int) -> str:
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    return f"{mantissa} × 10{str(int(exponent)).translate(_RAISED)}".replace("-", MINUS)
+
+
+def _not_finite(value) -> str:
+    if value is None or np.isnan(float(value)):
+        return NOTHING
+    return "∞" if float(value) > 0 else f"{MINUS}∞"

@@ -1,0 +1,1 @@
+"""Figures, one a file: numbers in, a drawing out."""

@@ -1,0 +1,104 @@
+"""Fields: a line over one coordinate, a grey map over two."""
+
+from __future__ import annotations
+
+import base64
+import struct
+import zlib
+
+import numpy as np
+from markupsafe import Markup
+
+from surrogate.report import digits
+from surrogate.report.drawing import Panel, drawing, group, path, span, tag, text
+
+#: Points along a side of a map beyond which it is drawn coarser.
+FINEST = 400
+
+
+def field_line(x, curves: dict[str, np.ndarray], x_label: str, y_label: str, says: str,
+               band: tuple[np.ndarray, np.ndarray] | None = None, y_span=None) -> Markup:
+    """Curves over one coordinate x (m,): class name -> (m,); `band` is (lower, upper)."""
+    values = [*curves.values(), *(band or ())]
+    panel = Panel.within(span(x, pad=0.0), y_span or span(*values), height=240.0)
+    marks = []
+    if band is not None:
+        lower, upper = (list(zip(panel.x(x), panel.y(edge), strict=True)) for edge in band)
+        marks.append(path(upper + lower[::-1], "band", closed=True))
+    marks += [path(zip(panel.x(x), panel.y(np.clip(curve, panel.y.low, panel.y.high)),
+                       strict=True), kind) for kind, curve in curves.items()]
+    return drawing(360, 240, panel.frame(x_label, y_label), *marks, says=says)
+
+
+def field_map(x, y, values, x_label: str, y_label: str, label: str, says: str,
+              limits: tuple[float, float] | None = None) -> Markup:
+    """Values (len(y), len(x)) as a map, dark where they are high, with its scale beside it."""
+    low, high = limits or span(values, pad=0.0)
+    panel = Panel.within(_edges(x), _edges(y), right=66.0, height=270.0)
+    shown = _on_even_grid(np.asarray(x, float), np.asarray(y, float), np.asarray(values, float))
+    share = np.clip((shown - low) / (high - low), 0.0, 1.0)
+    left, top = panel.x.start, panel.y.end
+    width, height = panel.x.end - left, panel.y.start - top
+    image = tag("image", x=left, y=top, width=width, height=height, preserveAspectRatio="none",
+                href=_picture(share[::-1]), class_="map")
+    return drawing(360, 270, panel.frame(x_label, y_label), image, panel.baseline(),
+                   _key(panel, low, high, label), says=says)
+
+
+def _key(panel: Panel, low: float, high: float, label: str) -> Markup:
+    """The strip that says which shade is which value."""
+    left = panel.x.end + 12
+    top, floor = panel.y.end, panel.y.start
+    strip = np.linspace(1.0, 0.0, 64)[:, None]
+    marks = [tag("image", x=left, y=top, width=10.0, height=floor - top, class_="map",
+                 preserveAspectRatio="none", href=_picture(strip))]
+    for share in (0.0, 0.5, 1.0):
+        words = digits.figure(low + share * (high - low))
+        marks.append(text(left + 13, floor + share * (top - floor) + 4, words, "tick"))
+    marks.append(text(360 - 2, top - 11, label, "label", "end"))
+    return group(*marks)
+
+
+def _edges(places) -> tuple[float, float]:
+    """Ends of the cells whose middles these are."""
+    places = np.asarray(places, dtype=float)
+    if len(places) < 2:
+        return span(places)
+    low, high = np.sort(places)[[0, -1]]
+    half = (high - low) / (len(places) - 1) / 2.0
+    return float(low - half), float(high + half)
+
+
+def _on_even_grid(x, y, values) -> np.ndarray:
+    """The values at the nearest given points of an even, rising grid."""
+    rows, columns = _nearest(y), _nearest(x)
+    return values[np.ix_(rows, columns)]
+
+
+def _nearest(places: np.ndarray) -> np.ndarray:
+    even = np.linspace(places.min(), places.max(), min(len(places), FINEST))
+    return np.abs(places[None, :] - even[:, None]).argmin(axis=1)
+
+
+def _picture(share: np.ndarray) -> str:
+    """A PNG, as a data address, of shares in [0, 1] (rows from the top); NaN is white.
+
+    From near-white through blue to near-black: the lightness falls all the way, so
+    that a print without colour says the same.
+    """
+    stops = np.array([[247, 249, 252], [158, 190, 220], [62, 116, 172], [16, 34, 66]], float)
+    at = np.nan_to_num(share) * (len(stops) - 1)
+    base = np.minimum(at.astype(int), len(stops) - 2)
+    part = (at - base)[..., None]
+    pixels = np.round(stops[base] * (1.0 - part) + stops[base + 1] * part).astype(np.uint8)
+    pixels[np.isnan(share)] = 255
+    height, width = share.shape
+    lines = b"".join(b"\0" + row.tobytes() for row in pixels)
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    png = (b"\x89PNG\r\n\x1a\n" + _chunk(b"IHDR", header)
+           + _chunk(b"IDAT", zlib.compress(lines, 9)) + _chunk(b"IEND", b""))
+    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
+
+
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

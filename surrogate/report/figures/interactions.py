@@ -1,0 +1,53 @@
+"""Second-order Sobol' indices as a triangle of grey squares with their numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+from markupsafe import Markup
+
+from surrogate.report import digits
+from surrogate.report.drawing import WIDTH, drawing, group, label_room, shortened, tag, text
+
+#: Up to this many parameters the squares have room for their numbers.
+WRITTEN = 9
+
+
+def interaction_map(names, value, low, high, output: str) -> Markup:
+    """Lower triangle of the pairs; value, low, high (parameter, parameter)."""
+    count = len(names)
+    left = label_room(names, 100.0)
+    size = (WIDTH - left - 6) / max(count - 1, 1)
+    height = min(size, 44.0)
+    peak = float(np.nanmax(np.abs(np.nan_to_num(value)), initial=0.0))
+    top, marks = 8.0, []
+    for i in range(1, count):
+        y = top + height * (i - 1)
+        marks.append(text(left - 7, y + height / 2 + 4, shortened(names[i], left - 7), "name",
+                          "end"))
+        for j in range(i):
+            marks.append(_square(left + size * j, y, size, height, count <= WRITTEN, peak,
+                                 f"{names[j]} × {names[i]}",
+                                 (value[i, j], low[i, j], high[i, j])))
+    floor = top + height * (count - 1)
+    for j in range(count - 1):
+        x = left + size * (j + 0.5)
+        marks.append(tag("text", shortened(names[j], 90.0), class_="name", text_anchor="end",
+                         transform=f"translate({x + 4:.1f} {floor + 10:.1f}) rotate(-55)"))
+    below = min(90.0, label_room(names[:-1], 100.0)) * 0.82 + 12
+    return drawing(WIDTH, floor + below, *marks,
+                   says=f"Second-order Sobol' indices of the parameter pairs for {output}")
+
+
+def _square(x, y, width, height, written, peak, pair, numbers) -> Markup:
+    value, low, high = map(float, numbers)
+    known = np.isfinite(value)
+    # Grey by the share of the largest pair: paper shows it as well as a screen does.
+    shade = int(round(255 - 175 * max(0.0, value) / peak)) if known and peak > 0 else 255
+    parts = [tag("rect", x=x + 1, y=y + 1, width=width - 2, height=height - 2, class_="cell",
+                 style=f"fill:rgb({shade},{shade},{shade})")]
+    if written:
+        words = digits.fixed(value, 3) if known else digits.NOTHING
+        parts.append(text(x + width / 2, y + height / 2 + 4, words,
+                          "tick light" if shade < 130 else "tick dark", "middle"))
+    return group(*parts, class_="hover",
+                 data_tip=f"{pair}\n{digits.with_interval(value, low, high)}")

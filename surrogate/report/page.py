@@ -1,0 +1,89 @@
+"""The page: sections in order, one template, one file."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from surrogate.report.blocks import Section, anchor
+from surrogate.report.content import Content
+from surrogate.report.sections import (
+    accuracy,
+    designs,
+    effects,
+    fields,
+    indices,
+    parameters,
+    provenance,
+    runs,
+    screening,
+    summary,
+)
+
+
+@dataclass(frozen=True)
+class Page:
+    """A finished report: `html` needs nothing but itself."""
+
+    html: str
+
+    def save(self, path: str | Path) -> Path:
+        """Write the page whole or not at all, and return its path."""
+        path = Path(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, part = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                file.write(self.html)
+            os.chmod(part, 0o644)
+            os.replace(part, path)
+        except BaseException:
+            os.unlink(part)
+            raise
+        return path
+
+
+def build(content: Content) -> Page:
+    """The report of a study as one HTML page that opens without a network."""
+    environment = Environment(loader=PackageLoader("surrogate.report", "."), autoescape=True,
+                              undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    sections = list(_sections(content))
+    return Page(environment.get_template("page.html").render(
+        name=content.name, sections=sections, style=_part(environment, "style.css"),
+        script=_part(environment, "behaviour.js"),
+        made=content.runs.attrs.get("created", ""),
+        runs=_json(runs.for_pointing(content))))
+
+
+def _sections(content: Content) -> Iterator[Section]:
+    yield summary.section(content)
+    yield parameters.section(content)
+    yield designs.section(content)
+    yield runs.section(content)
+    for output in content.outputs:
+        blocks = [*accuracy.blocks(content, output), *fields.blocks(content, output),
+                  *effects.blocks(content, output), *indices.blocks(content, output),
+                  *screening.blocks(content, output)]
+        yield Section(anchor("output", output), f"Output {output}", tuple(blocks))
+    yield screening.section(content)
+    yield provenance.section(content)
+
+
+def _part(environment: Environment, name: str) -> Markup:
+    """A file of this folder as it is; ours, so nothing in it needs escaping."""
+    return Markup(environment.loader.get_source(environment, name)[0])
+
+
+def _json(data) -> Markup:
+    """JSON that cannot end the script element that holds it."""
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
+    for letter in "<>&\u2028\u2029":
+        text = text.replace(letter, f"\\u{ord(letter):04x}")
+    return Markup(text)

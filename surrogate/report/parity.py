@@ -1,0 +1,75 @@
+"""Observed against predicted values of one fit, run by run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from surrogate.fitting import Fit
+from surrogate.report.content import Content
+
+
+@dataclass(frozen=True)
+class Parity:
+    """Observed and predicted values; a field stands for its mean over its points.
+
+    run (n,) numbers, observed (n,), predicted (n,), half (n,) of the 95 % interval
+    or NaN, learnt (n,) whether the fit has seen the run, honest: True when learnt
+    runs are predicted by fits without them.
+    """
+
+    run: np.ndarray
+    observed: np.ndarray
+    predicted: np.ndarray
+    half: np.ndarray
+    learnt: np.ndarray
+    honest: bool
+
+    @property
+    def residual(self) -> np.ndarray:
+        """Observed minus predicted."""
+        return self.observed - self.predicted
+
+
+def parity(content: Content, fit: Fit, output: str) -> Parity:
+    """Every finished run beside what the fit says of it.
+
+    Runs that the fit has learnt from are predicted by the fit without their fold,
+    because a fit that interpolates is perfect on what it has seen.
+    """
+    finished = content.finished(output)
+    coded, values = content.coded[finished], content.values(output)[finished]
+    predicted, half = predictions(fit, coded)
+    rows = rows_learnt(fit, coded)
+    learnt = rows >= 0
+    left_out = np.asarray(fit.left_out)[rows]
+    known = learnt & np.isfinite(left_out).reshape(len(rows), -1).all(axis=1)
+    predicted = np.where(known.reshape(-1, *[1] * (predicted.ndim - 1)), left_out, predicted)
+    bars = np.full(len(rows), np.nan) if half.ndim > 1 else np.where(learnt, np.nan, half)
+    return Parity(content.numbers[finished], mean_over_points(values), mean_over_points(predicted),
+                  bars, learnt, bool(known[learnt].all()))
+
+
+def predictions(fit: Fit, coded: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Predicted values (n, ...) and half-widths of their 95 % intervals, NaN when unknown."""
+    if len(coded) == 0:
+        empty = np.empty((0, *fit.values.shape[1:]))
+        return empty, empty
+    low, high = (np.asarray(end, dtype=float) for end in fit.interval(coded))
+    return np.asarray(fit.predict(coded), dtype=float), (high - low) / 2.0
+
+
+def rows_learnt(fit: Fit, coded: np.ndarray) -> np.ndarray:
+    """Row of the fit's own points that equals each point (n,), -1 where none does."""
+    known = {_key(point): row for row, point in reversed(list(enumerate(fit.coded)))}
+    return np.array([known.get(_key(point), -1) for point in coded], dtype=int)
+
+
+def _key(point) -> tuple:
+    return tuple(np.round(np.asarray(point, dtype=float), 9) + 0.0)
+
+
+def mean_over_points(values: np.ndarray) -> np.ndarray:
+    """Mean over the dimensions behind the first, shape (n,)."""
+    return values.reshape(len(values), -1).mean(axis=1) if values.size else np.empty(len(values))

@@ -1,0 +1,162 @@
+"""Effects: regression tables of the polynomials and response curves of the best surrogate."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from surrogate.report import digits
+from surrogate.report.blocks import (
+    Cell,
+    Figure,
+    Figures,
+    Fold,
+    Head,
+    Heading,
+    Points,
+    Table,
+    Text,
+    anchor,
+)
+from surrogate.report.content import Content
+from surrogate.report.figures.coefficients import MOST, coefficient_plot
+from surrogate.report.figures.slices import slice_plots
+
+DETERMINISTIC = (
+    "The solver gives the same answer to the same question, so the residuals are no noise: "
+    "standard errors, p-values and intervals measure how badly the polynomial fits (lack of fit), "
+    "not how surely an effect exists.")
+
+
+def blocks(content: Content, output: str) -> list:
+    """Regression tables, then response curves."""
+    result: list = []
+    tables = {name: by_output[output] for name, by_output in content.regression.items()
+              if output in by_output}
+    if tables:
+        result.append(Heading("Effects", anchor(output, "effects")))
+        if content.deterministic:
+            result.append(Text(DETERMINISTIC, "note"))
+    for place, (name, table) in enumerate(tables.items()):
+        inside = _regression(content, output, name, table)
+        fold = Fold(f"{name}: {digits.quantity(table.sizes['term'], 'term')}", tuple(inside),
+                    open=place == 0)
+        result.append(fold)
+    return [*result, *_slices(content, output)]
+
+
+def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> list:
+    unit = content.unit(output)
+    terms = [str(term) for term in table["term"].values]
+    columns = {key: np.asarray(table[key].values, dtype=float)
+               for key in ("coefficient", "low", "high")}
+    effects = [k for k, term in enumerate(terms) if term != "1"]
+    parts: list = [Points(tuple(sentences(table, unit)))]
+    known = [k for k in effects if np.isfinite(columns["coefficient"][k])]
+    if known:
+        more = f" The {MOST} largest of {len(known)}." if len(known) > MOST else ""
+        confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
+        intervals = np.isfinite(columns["low"][known]).any()
+        reading = (f"with {confidence} intervals; filled where zero lies outside the interval"
+                   if intervals else "without intervals, because no runs are left to judge them by")
+        parts.append(Figures((Figure(
+            coefficient_plot([terms[k] for k in known],
+                             *(columns[key][known] for key in ("coefficient", "low", "high")),
+                             unit, name),
+            f"Coefficients of {name} in coded units (half the change of {output} from the "
+            f"smallest to the largest value), {reading}.{more}"),)))
+    return [*parts, _table(table, terms, unit, name)]
+
+
+def _table(table: xr.Dataset, terms: list[str], unit: str, name: str) -> Table:
+    get = {key: np.asarray(table[key].values, dtype=float) if key in table
+           else np.full(len(terms), np.nan)
+           for key in ("coefficient", "standard_error", "t", "p", "low", "high", "vif")}
+    rows = []
+    for k, term in enumerate(terms):
+        value = get["coefficient"][k]
+        rows.append((
+            Cell(_term(term), term), _number(_matching(value, get["standard_error"][k]), value),
+            _number(digits.figure(get["standard_error"][k], 2), get["standard_error"][k]),
+            _number(digits.figure(get["t"][k]), get["t"][k]),
+            _number(digits.p_value(get["p"][k]), get["p"][k]),
+            _number(digits.interval(get["low"][k], get["high"][k]), get["low"][k]),
+            _number(digits.figure(get["vif"][k]), get["vif"][k])))
+    confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
+    titles = ("term", digits.labelled("coefficient", unit), "standard error", "t", "p",
+              f"{confidence} interval", "VIF")
+    return Table(f"Regression table of {name}; coefficients per coded unit.",
+                 tuple(Head(title, numeric=k > 0) for k, title in enumerate(titles)),
+                 tuple(rows), sortable=len(rows) > 3)
+
+
+def _matching(value: float, error: float) -> str:
+    """The coefficient with the decimals that its standard error (two digits) deserves."""
+    if not (np.isfinite(value) and np.isfinite(error) and error > 1e-12 * abs(value)):
+        return digits.figure(value, 4)
+    return digits.with_half(value, error).split(" ± ")[0]
+
+
+def _number(words: str, value: float) -> Cell:
+    return Cell(words, float(value) if np.isfinite(value) else None)
+
+
+def _term(term: str) -> str:
+    return "constant" if term == "1" else term.replace(":", " × ").replace("^2", "²")
+
+
+def sentences(table: xr.Dataset, unit: str) -> list[str]:
+    """How well the polynomial describes the runs, and what the runs cannot tell."""
+    get = {str(key): float(value) for key, value in table.data_vars.items() if value.ndim == 0}
+    said = [_fit_sentence(get, unit)]
+    if get.get("df_residual", np.nan) == 0.0 or not np.isfinite(get.get("residual_sd", np.nan)):
+        said.append("The fit is saturated: as many coefficients as runs. It passes through every "
+                    "run, whatever the truth is; R² says nothing and there are no intervals.")
+    elif np.isfinite(get.get("f", np.nan)):
+        said.append(f"F test against the mean: F = {digits.figure(get['f'])}, "
+                    f"p {_equals(get.get('f_p', np.nan))}.")
+    if np.isfinite(get.get("lack_of_fit_p", np.nan)):
+        poor = get["lack_of_fit_p"] < 0.05
+        said.append(
+            f"Lack of fit against the replicates: F = {digits.figure(get['lack_of_fit_f'])}, "
+            f"p {_equals(get['lack_of_fit_p'])}; "
+            + ("terms are missing." if poor else "no term is seen to be missing."))
+    shown = {"saturated", "deterministic"}
+    notes = str(table.attrs.get("notes", "")).splitlines()
+    said += [note for note in notes if note and not any(word in note for word in shown)]
+    return said
+
+
+def _fit_sentence(get: dict[str, float], unit: str) -> str:
+    parts = [f"{label} = {digits.fixed(get[key], 3)}" for key, label in
+             (("r2", "R²"), ("r2_adjusted", "adjusted R²"), ("q2", "leave-one-out Q²"))
+             if np.isfinite(get.get(key, np.nan))]
+    if np.isfinite(get.get("residual_sd", np.nan)):
+        spread = digits.with_unit(digits.figure(get["residual_sd"], 2), unit)
+        parts.append(f"residual standard deviation {spread}")
+    if np.isfinite(get.get("press", np.nan)):
+        squared = f"({unit})²" if unit else ""
+        parts.append(f"PRESS {digits.with_unit(digits.figure(get['press']), squared)}")
+    if np.isfinite(get.get("aicc", np.nan)):
+        parts.append(f"AICc {digits.figure(get['aicc'], 4)}")
+    return (", ".join(parts) or "No measure of fit exists") + "."
+
+
+def _equals(p: float) -> str:
+    words = digits.p_value(p)
+    return words if words.startswith("<") else f"= {words}"
+
+
+def _slices(content: Content, output: str) -> list:
+    best = content.best(output)
+    if best is None:
+        return []
+    fit = content.fits_of(output)[best]
+    what = f"mean {output}" if content.is_field(output) else output
+    plots = slice_plots(fit, content.space, content.unit(output), what)
+    figures = tuple(Figure(plot, "") for _, plot in plots)
+    return [Heading("Response curves", anchor(output, "curves")),
+            Text(f"{best} along each parameter while the others stay in the middle of their "
+                 "ranges; the band is its 95 % interval where it knows one. All curves share one "
+                 "scale, so that steep means important."),
+            Figures(figures, small=True)]

@@ -1,0 +1,76 @@
+"""What varies, and what it answers to."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surrogate.report import digits
+from surrogate.report.blocks import Cell, Section, Table, Text, heads
+from surrogate.report.content import Content
+from surrogate.space import Parameter
+
+
+def section(content: Content) -> Section:
+    """Parameters with ranges, units and distributions; outputs with units."""
+    blocks = [_parameters(content)]
+    if not content.space.independent:
+        blocks.append(_correlation(content))
+    blocks.append(_outputs(content))
+    return Section("parameters", "Parameters and outputs", tuple(blocks))
+
+
+def _parameters(content: Content) -> Table:
+    described = any(p.description for p in content.space.parameters)
+    titles = ["parameter", "unit", "smallest", "largest", "distribution"]
+    rows = [_row(parameter, described) for parameter in content.space.parameters]
+    table = heads(*titles, *(["meaning"] if described else []), names=2)
+    words = tuple(h if k in (2, 3) else type(h)(h.words, numeric=False)
+                  for k, h in enumerate(table))
+    return Table("What varies. Everything else keeps the solver's nominal value.", words,
+                 tuple(rows))
+
+
+def _row(parameter: Parameter, described: bool) -> tuple[Cell, ...]:
+    unit = digits.unit(parameter.unit) or digits.NOTHING
+    meaning = (Cell(parameter.description),) if described else ()
+    if parameter.categorical:
+        kind = f"one of {digits.listing(parameter.levels)}"
+        return (Cell(parameter.name), Cell(unit), Cell(digits.NOTHING), Cell(digits.NOTHING),
+                Cell(kind), *meaning)
+    lower, upper = parameter.distribution.support
+    return (Cell(parameter.name), Cell(unit), Cell(digits.plain(lower), lower),
+            Cell(digits.plain(upper), upper), Cell(_law(parameter)), *meaning)
+
+
+def _law(parameter: Parameter) -> str:
+    words = dict(parameter.distribution.words)
+    name = words.pop("distribution")
+    bounds = words.pop("range", None)
+    written = ", ".join(f"{key} {digits.plain(value)}" for key, value in words.items())
+    cut = ", truncated to the range" if bounds is not None and words else ""
+    return f"{name}{': ' if written else ''}{written}{cut}"
+
+
+def _outputs(content: Content) -> Table:
+    rows = []
+    for name in content.outputs:
+        variable = content.runs[name]
+        own = [dim for dim in variable.dims if dim != "run"]
+        shape = " × ".join(f"{variable.sizes[dim]} {dim}" for dim in own) or "one number"
+        values = content.values(name)[content.ok]
+        low, high = (np.min(values), np.max(values)) if values.size else (np.nan, np.nan)
+        rows.append((Cell(name), Cell(digits.unit(content.unit(name)) or digits.NOTHING),
+                     Cell(shape), Cell(digits.figure(low, 4)), Cell(digits.figure(high, 4)),
+                     Cell(str(variable.attrs.get("long_name", "")))))
+    titles = heads("output", "unit", "shape", "smallest", "largest", "meaning", names=3)
+    return Table("What the solver answers, and the smallest and largest answer in all runs.",
+                 (*titles[:5], type(titles[5])("meaning", numeric=False)), tuple(rows))
+
+
+def _correlation(content: Content) -> Text:
+    matrix = np.asarray(content.space.correlation)
+    names = content.space.names
+    pairs = [f"{names[i]} and {names[j]} ({digits.fixed(matrix[i, j], 2)})"
+             for i in range(len(names)) for j in range(i) if abs(matrix[i, j]) > 1e-12]
+    return Text(f"The parameters depend on one another (Gaussian copula): "
+                f"{digits.listing(pairs)}.", "note")

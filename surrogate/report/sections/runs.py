@@ -1,0 +1,110 @@
+"""All runs, the failed ones first among them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surrogate.report import digits
+from surrogate.report.blocks import Cell, Fold, Head, Section, Table, Text
+from surrogate.report.content import Content
+
+#: Longer tables start folded.
+LONG = 25
+
+
+def section(content: Content) -> Section:
+    """The failed runs with their messages, and the table of all runs."""
+    blocks: list = [Text(_count(content))]
+    if content.failed.any():
+        blocks.append(_failures(content))
+    count = len(content.ok)
+    table = _table(content)
+    blocks.append(Fold(f"All {digits.quantity(count, 'run')}", (table,), open=count <= LONG))
+    return Section("runs", "Runs", tuple(blocks))
+
+
+def _count(content: Content) -> str:
+    count, failed, missing = (int(which.sum()) for which in
+                              (np.ones_like(content.ok), content.failed, content.missing))
+    said = [f"{failed} failed"] * bool(failed) + [f"{missing} not made yet"] * bool(missing)
+    words = f"{digits.quantity(count, 'run')}, {digits.listing(said) or 'all finished'}."
+    if np.isfinite(content.seconds).any():
+        spent, middle = np.nansum(content.seconds), np.nanmedian(content.seconds)
+        words += (f" They took {digits.duration(spent)} of solver time, {digits.duration(middle)} "
+                  "a run (median).")
+    return words
+
+
+def _failures(content: Content) -> Table:
+    rows = []
+    physical = _physical(content)
+    for k in np.flatnonzero(content.failed):
+        values = "; ".join(
+            f"{name} {digits.with_unit(physical[name][k], content.unit(name))}"
+            for name in content.space.names)
+        rows.append((Cell(str(content.numbers[k]), float(k)), Cell(content.words("design")[k]),
+                     Cell(content.words("status")[k], tone="bad"),
+                     Cell(content.words("message")[k] or "no message"), Cell(values)))
+    words = ("run", "design", "status", "message", "at")
+    return Table("Failed runs: no surrogate has learnt from them.",
+                 tuple(Head(word, numeric=False) for word in words), tuple(rows))
+
+
+def _table(content: Content) -> Table:
+    numbers, physical = content.numbers, _physical(content)
+    columns: list[tuple[Head, list[Cell]]] = [
+        (Head("run"), [Cell(str(n), float(k)) for k, n in enumerate(numbers)]),
+        (Head("design", numeric=False), [Cell(word) for word in content.words("design")]),
+        (Head("status", numeric=False), [Cell(word, tone="" if word == "ok" else "bad")
+                                         for word in content.words("status")])]
+    for name in content.space.names:
+        head = digits.labelled(name, content.unit(name))
+        columns.append((Head(head, numeric=not content.space[name].categorical),
+                        _column(content.runs[name].values, physical[name])))
+    for output in content.outputs:
+        values = content.values(output)
+        mean = values.reshape(len(values), -1).mean(axis=1)
+        what = f"mean {output}" if content.is_field(output) else output
+        columns.append((Head(digits.labelled(what, content.unit(output))),
+                        _column(mean, digits.column(mean, 4))))
+    spent = content.seconds
+    columns.append((Head("time (s)"), _column(spent, [digits.figure(s) for s in spent])))
+    if (content.words("message") != "").any():
+        columns.append((Head("message", numeric=False),
+                        [Cell(word) for word in content.words("message")]))
+    rows = tuple(zip(*(cells for _, cells in columns), strict=True))
+    return Table("Every run with its inputs and outputs. A click on a head sorts.",
+                 tuple(head for head, _ in columns), rows, sortable=True,
+                 wide=len(columns) > 9)
+
+
+def _column(values, words) -> list[Cell]:
+    values = np.asarray(values)
+    if not np.issubdtype(values.dtype, np.number):
+        return [Cell(str(word)) for word in words]
+    return [Cell(word, float(v) if np.isfinite(v) else None)
+            for word, v in zip(words, values, strict=True)]
+
+
+def _physical(content: Content) -> dict[str, list[str]]:
+    """Parameter values of all runs as printed."""
+    printed = {}
+    for parameter in content.space.parameters:
+        values = content.runs[parameter.name].values
+        printed[parameter.name] = [str(v) for v in values] if parameter.categorical \
+            else [digits.plain(v, 4) for v in values]
+    return printed
+
+
+def for_pointing(content: Content) -> dict[str, str]:
+    """Run number -> the lines shown when its mark is pointed at."""
+    physical = _physical(content)
+    lines = {}
+    for k, number in enumerate(content.numbers):
+        inputs = [f"{name} {digits.with_unit(physical[name][k], content.unit(name))}"
+                  for name in content.space.names]
+        title = f"run {number} ({content.words('design')[k]})"
+        if not content.ok[k]:
+            title += f" {content.words('status')[k]}"
+        lines[str(number)] = "\n".join([title, *inputs])
+    return lines

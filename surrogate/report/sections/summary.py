@@ -1,0 +1,139 @@
+"""The question and the answer, and what to beware of."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from surrogate.report import digits
+from surrogate.report.blocks import Fact, Facts, Points, Section, Text
+from surrogate.report.content import POOR_Q2, Content
+from surrogate.report.sections.accuracy import margin
+from surrogate.report.sections.designs import roman
+from surrogate.report.sections.indices import index, of_output, refusal
+
+
+def section(content: Content) -> Section:
+    """The question, an answer for each output, the decision, the warnings."""
+    blocks: list = []
+    if content.about:
+        blocks.append(Text(content.about, "lead"))
+    blocks.append(Facts(tuple(_facts(content))))
+    warned = warnings(content)
+    if warned:
+        blocks.append(Points(tuple(warned), "warning"))
+    else:
+        blocks.append(Text("Nothing stands against these figures: no failed run, no poor "
+                           "surrogate, no refused index.", "good"))
+    return Section("answer", "Question and answer", tuple(blocks))
+
+
+def _facts(content: Content) -> list[Fact]:
+    facts = [_asked(content)]
+    several = len(content.outputs) > 1
+    for output in content.outputs:
+        suffix = f" of {output}" if several else ""
+        if content.best(output) is not None:
+            facts.append(_best(content, output, suffix))
+        if of_output(content, output) is not None:
+            facts.append(_matters(content, output, suffix))
+    return facts
+
+
+def _asked(content: Content) -> Fact:
+    solver = str(content.runs.attrs.get("solver", ""))
+    outputs = digits.listing(content.outputs) or "no output"
+    many = digits.quantity(content.space.size, "parameter")
+    of = f" of solver {solver}" if solver else ""
+    failed = int(content.failed.sum())
+    runs = digits.quantity(len(content.ok), "run") + (f", {failed} failed" if failed else "")
+    return Fact("What was asked", f"{outputs} over {many}",
+                f"{digits.listing(content.space.names)}{of}; {runs}.")
+
+
+def _best(content: Content, output: str, suffix: str) -> Fact:
+    best = content.best(output)
+    row = content.row(best, output)
+    unit = content.unit(output)
+    held = np.isfinite(row.get("q2_test", np.nan))
+    how = "test" if held else "cv"
+    error = row.get(f"rmse_{how}", np.nan)
+    kind = "on held-out runs" if held else "in cross-validation"
+    if not np.isfinite(error):
+        return Fact(f"Best surrogate{suffix}", best,
+                    "Its error on new points is not known: no held-out runs, and no run can be "
+                    "left out of the training.")
+    words = [f"Q² {digits.fixed(row.get(f'q2_{how}', np.nan), 3)} {kind}."]
+    spread = _spread(content, output)
+    if spread > 0:
+        words.append(f"The output varies by {digits.with_unit(digits.figure(spread), unit)} "
+                     "(standard deviation).")
+    said = margin(content, output)
+    return Fact(f"Best surrogate{suffix}",
+                f"{best}, typical error {digits.with_unit(digits.figure(error, 2), unit)}",
+                " ".join([*words, said]))
+
+
+def _spread(content: Content, output: str) -> float:
+    values = content.values(output)[content.finished(output)]
+    return float(np.sqrt(np.mean(np.var(values, axis=0)))) if len(values) > 1 else 0.0
+
+
+def _matters(content: Content, output: str, suffix: str) -> Fact:
+    title = f"What matters most{suffix}"
+    refused = refusal(content, output)
+    if refused:
+        return Fact(title, "not answered", refused)
+    table = of_output(content, output)
+    if "total" not in table:
+        return Fact(title, "see the sensitivity section", "")
+    names = [str(name) for name in table["parameter"].values]
+    total = index(table, "total")
+    order = np.argsort(-np.nan_to_num(total["value"], nan=-1.0))
+    words = [f"{names[k]} {digits.with_interval(*(total[p][k] for p in ('value', 'low', 'high')))}"
+             for k in order[:3]]
+    return Fact(title, names[order[0]],
+                f"Total indices, largest first: {'; '.join(words)}.")
+
+
+def warnings(content: Content) -> list[str]:
+    """What a reader must know before using a figure, a sentence each."""
+    said = []
+    failed = int(content.failed.sum())
+    if failed:
+        of = digits.quantity(len(content.ok), "run")
+        said.append(f"{failed} of {of} failed and are missing from the fits; see Runs.")
+    for output in content.outputs:
+        said += _poor(content, output)
+        said += _saturated(content, output)
+        refused = refusal(content, output)
+        if refused:
+            said.append(f"Sensitivity of {output}: {refused}")
+    for design, aliasing in content.aliasing.items():
+        if aliasing.resolution == 3:
+            said.append(f"Design {design} has resolution {roman(3)}: its main effects cannot be "
+                        "told from two-factor interactions.")
+    return said
+
+
+def _poor(content: Content, output: str) -> list[str]:
+    best = content.best(output)
+    if best is None:
+        return [f"No surrogate of {output} could be fitted."]
+    q2 = content.q2(best, output)
+    if np.isfinite(q2) and q2 < POOR_Q2:
+        return [f"The best surrogate of {output}, {best}, has Q² {digits.fixed(q2, 2)} on runs "
+                f"it has not seen, below {POOR_Q2:g}: its predictions are rough."]
+    return []
+
+
+def _saturated(content: Content, output: str) -> list[str]:
+    names = [name for name, by_output in content.regression.items()
+             if output in by_output and _no_freedom(by_output[output])]
+    return [f"{digits.listing(names)} of {output} has as many coefficients as runs: R² and the "
+            "residuals say nothing about it."] if names else []
+
+
+def _no_freedom(table) -> bool:
+    if "df_residual" in table:
+        return float(table["df_residual"]) == 0.0
+    return not np.isfinite(float(table["residual_sd"])) if "residual_sd" in table else False

@@ -1,0 +1,98 @@
+"""The page as a whole: one file, nothing loaded, nothing believed, everything shown."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from reader import read
+
+from surrogate import report
+
+ADDRESSES = ("src", "href", "xlink:href", "action", "data", "poster", "srcset", "formaction")
+
+
+def test_page_loads_nothing(study):
+    """Every address in the page points inside it or carries its own data."""
+    html = report.build(study(outputs=("pressure_b1", "pressure_map"))).html
+    tree = read(html)
+    used = [element.attributes[key] for element in tree.all() for key in ADDRESSES
+            if key in element.attributes]
+    assert used and all(address.startswith(("#", "data:image/png;base64,")) for address in used)
+    assert not list(tree.all("link")) and not list(tree.all("iframe"))
+    code = " ".join(element.text for name in ("style", "script") for element in tree.all(name))
+    assert not re.search(r"https?:|url\(|@import|\bimport\b|fetch\(|XMLHttpRequest|WebSocket", code)
+
+
+def test_links_lead_somewhere(study):
+    """Every fragment in the contents is the id of one element, and ids are unique."""
+    tree = read(report.build(study(outputs=("pressure_b1", "slope"))).html)
+    ids = [element.attributes["id"] for element in tree.all() if "id" in element.attributes]
+    assert len(ids) == len(set(ids))
+    links = [element.attributes["href"] for element in tree.all("a")]
+    assert {link.removeprefix("#") for link in links} <= set(ids)
+    assert "#output-slope" in links
+
+
+def test_hostile_words_stay_words(study):
+    """Names and messages with markup are printed, not obeyed; JSON cannot end its script."""
+    evil = "</script><script>alert(1)</script><img src=x onerror=alert(2)>\"'&"
+    html = report.build(study(name=evil, failed={2: evil}, refused=evil)).html
+    tree = read(html)
+    assert len(list(tree.all("script"))) == 2 and not list(tree.all("img"))
+    assert next(tree.all("h1")).text == evil
+    assert any(cell.text == evil for cell in tree.all("td"))
+    assert not [key for element in tree.all() for key in element.attributes if key[:2] == "on"]
+
+
+def test_run_data_is_json_of_all_runs(study):
+    """What is shown on pointing at a mark is there for each run, in physical values."""
+    content = study(train=50, test=10)
+    tree = read(report.build(content).html)
+    data = json.loads(next(tree.all("script", id="runs-data")).children[0])
+    assert list(data) == [str(number) for number in range(60)]
+    value = float(content.runs["tension"].values[7])
+    assert f"tension {value:.4g}" in data["7"].replace("\N{NARROW NO-BREAK SPACE}", " ")
+    marked = {mark.attributes["data-run"] for mark in tree.all() if "data-run" in mark.attributes}
+    assert marked == set(data)
+
+
+CASES = {
+    "no test design": {"test": 0},
+    "all runs failed": {"train": 5, "test": 0, "failed": dict.fromkeys(range(5), "no answer")},
+    "one surrogate": {"surrogates": ("linear",)},
+    "field output": {"outputs": ("pressure_map", "pressure_line"), "surrogates": ("linear",)},
+    "no sensitivity": {"sensitivity": False},
+}
+
+
+@pytest.mark.parametrize("options", CASES.values(), ids=CASES)
+def test_sections_are_there_in_order(study, options):
+    """Question and answer first, then what it rests on, provenance last, in any study."""
+    tree = read(report.build(study(**options)).html)
+    found = [section.attributes["id"] for section in tree.all("section")]
+    assert found[:4] == ["answer", "parameters", "designs", "runs"]
+    assert found[-2:] == ["screening", "provenance"]
+    outputs = options.get("outputs", ("pressure_b1",))
+    assert found[4:-2] == [f"output-{name.replace('_', '-')}" for name in outputs]
+
+
+def test_every_figure_has_a_text_and_every_column_a_head(study):
+    """Drawings carry a label for those who do not see them; tables have heads and captions."""
+    tree = read(report.build(study(outputs=("pressure_b1", "pressure_map"))).html)
+    drawings = list(tree.all("svg"))
+    assert len(drawings) > 10 and all(svg.attributes["aria-label"] for svg in drawings)
+    for table in tree.all("table"):
+        heads = list(table.all("th", scope="col"))
+        body = next(table.all("tbody"))
+        assert next(table.all("caption")).text and heads
+        assert all(len(row.children) >= len(heads) for row in body.all("tr"))
+
+
+def test_save_is_whole_and_utf8(study, tmp_path):
+    """The file holds the page and no part file is left beside it."""
+    page = report.build(study(train=12, test=0, surrogates=("linear",), sensitivity=False))
+    path = page.save(tmp_path / "new" / "report.html")
+    assert path.read_text(encoding="utf-8") == page.html
+    assert [file.name for file in path.parent.iterdir()] == ["report.html"]
