@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .leg_mesh import LegMesh
+from solvers.leg_bandage.leg_mesh import LegMesh
+from solvers.leg_bandage.shell import Shell
 
 
 class FollowerPressure:
@@ -60,6 +61,14 @@ def skin_pressure(leg: LegMesh, pressure: float) -> FollowerPressure:
     ]).swapaxes(1, 2)
     return FollowerPressure(
         points.reshape(-1, 4), leg.mesh.p.T, shapes, np.full(4, 0.25), pressure, leg.n_dofs
+    )
+
+
+def bandage_pressure(shell: Shell, pressure: float) -> FollowerPressure:
+    """Uniform pressure (MPa) on a bandage, against its normal a1 x a2."""
+    shapes = np.concatenate([shell.values[None], shell.slopes[:2]])
+    return FollowerPressure(
+        shell.points, shell.start, shapes, shell.weights, pressure, shell.n_dofs
     )
 
 

@@ -56,7 +56,7 @@ class Shell:
         self.steps = np.array([size[0] / strip.ns, size[1] / strip.nw])
         cells = np.stack(np.meshgrid(np.arange(strip.ns), np.arange(strip.nw), indexing="ij"), -1)
         self.points = strip.cell_nodes(cells.reshape(-1, 2))
-        self.slopes, self.weights = _slopes(self.steps)
+        self.values, self.slopes, self.weights = _shapes(self.steps)
         flat = np.array([1.0, 1, 0, 0, 0, 0])[:, None, None]
         self.natural = np.broadcast_to(
             flat if natural is None else natural, (6, len(self.weights), len(self.points))
@@ -110,15 +110,14 @@ class Shell:
         return rows.ravel(), cols.ravel()
 
 
-def _slopes(steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Shape derivatives (5, 4 points, 9) for Z, and weights (4,) of an element in mm^2."""
+def _shapes(steps: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Shape functions (4 points, 9), their derivatives (5, 4, 9) for Z, weights (4,) in mm^2."""
     gauss = 0.5 + np.array([-1, 1]) / np.sqrt(12)
     s, w = (axis.ravel() for axis in np.meshgrid(gauss, gauss))
-    _, d1, d2, d11, d22, d12 = tensor(bspline(s), bspline(w))
+    N, d1, d2, d11, d22, d12 = tensor(bspline(s), bspline(w))
     hs, hw = steps
-    return np.stack([d1 / hs, d2 / hw, d11 / hs**2, d22 / hw**2, d12 / (hs * hw)]), np.full(
-        4, hs * hw / 4
-    )
+    slopes = np.stack([d1 / hs, d2 / hw, d11 / hs**2, d22 / hw**2, d12 / (hs * hw)])
+    return N, slopes, np.full(4, hs * hw / 4)
 
 
 def _maps(slopes, weights, bending) -> tuple[np.ndarray, np.ndarray]:
