@@ -4,7 +4,7 @@ Along the height the 13 numbers of a section are quintic splines on 12 equal spa
 fitted by least squares to the sections (C4; off the shipped sections by 0.05 mm at
 most, which is their facet noise). Beyond both cuts the leg goes on as the second-order
 Taylor polynomial of the cut in a squashed height q = d tanh(s / d): C2 at the cut,
-constant some 50 mm further.
+constant 15 mm further.
 
 Axes: z up from the ankle (z = 0) to the upper cut (z = length), x lateral of a right
 leg, y anterior, theta from x towards y: the medial side is theta = pi. Millimetres.
@@ -25,8 +25,6 @@ from surrogate.errors import SolverError
 
 DEGREE, SPANS = 5, 12
 KNOTS = np.concatenate([np.zeros(DEGREE), np.linspace(0, 1, SPANS + 1), np.ones(DEGREE)])
-SQUASH = 25.0
-"""d, mm: how far the trend of a cut is followed beyond it."""
 
 
 @cache
@@ -45,6 +43,8 @@ class Leg:
     centre        (S, 2) their centres, lateral and anterior, mm
     alphas        coordinates in the shape basis when the leg was made from them
     below, above  mm by which the leg is taken beyond its two cuts
+    trend         d, mm: how far the trend of a cut is followed beyond it (much further, and
+                  the skin meets the bone under the ankle)
     """
 
     length: float
@@ -53,6 +53,7 @@ class Leg:
     alphas: tuple[float, ...] | None = None
     below: float = 0.0
     above: float = 0.0
+    trend: float = 2.0
 
     @classmethod
     def from_alphas(cls, length: float, alphas, basis: Basis | None = None) -> Leg:
@@ -107,7 +108,7 @@ class Leg:
         outside = z != inside
         if outside.any():
             end = self._ends[(z[outside] > 0).astype(int)]
-            values[outside] = _taylor(end, (z - inside)[outside], derivative)
+            values[outside] = _taylor(end, (z - inside)[outside], derivative, self.trend)
         return values
 
     def radius(self, theta, z, d_theta: int = 0, d_z: int = 0) -> np.ndarray:
@@ -137,16 +138,16 @@ class Leg:
         return section.girth(self.numbers(z)[..., :11])
 
 
-def _taylor(end: np.ndarray, beyond: np.ndarray, derivative: int) -> np.ndarray:
+def _taylor(end: np.ndarray, beyond: np.ndarray, derivative: int, d: float) -> np.ndarray:
     """f + f' q + f'' q^2 / 2 at `beyond` mm outside a cut, q = d tanh(beyond / d), or along z.
 
     end (point, 3, 13) holds f, f', f''; beyond (point,) is negative under the ankle.
     """
     value, slope, bend = np.moveaxis(end, 1, 0)
-    tanh = np.tanh(beyond / SQUASH)[:, None]
-    q, q1 = SQUASH * tanh, 1 - tanh**2
+    tanh = np.tanh(beyond / d)[:, None]
+    q, q1 = d * tanh, 1 - tanh**2
     if derivative == 0:
         return value + slope * q + bend * q**2 / 2
     if derivative == 1:
         return (slope + bend * q) * q1
-    return bend * q1**2 - (slope + bend * q) * 2 * tanh * q1 / SQUASH
+    return bend * q1**2 - (slope + bend * q) * 2 * tanh * q1 / d
