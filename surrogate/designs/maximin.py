@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Exchanges tried at once, rounds between changes of temperature, and rounds in all.
-TRIED = 40
-ROUNDS_PER_STAGE = 100
-ROUNDS = 6000
-#: Work of one round is tried exchanges x runs x parameters; this many in all at most.
+#: Rounds between changes of the threshold, and rounds in all.
+ROUNDS_PER_STAGE = 25
+ROUNDS = 8000
+#: Of all pairs of runs, this share is tried for exchange in a round, up to the largest number.
+SHARE_TRIED, MOST_TRIED = 0.15, 40
+#: Work of a round is tried exchanges x runs x parameters; this much in all at most.
 LARGEST_WORK = 2e9
 
 
@@ -27,14 +28,15 @@ def maximin(ranks: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     if runs < 3 or parameters < 2:
         return ranks
     x = ranks.astype(float)
-    rounds = int(np.clip(LARGEST_WORK / (TRIED * runs * parameters), 200, ROUNDS))
+    tried = int(np.clip(SHARE_TRIED * runs * (runs - 1) / 2, 1, MOST_TRIED))
+    rounds = int(np.clip(LARGEST_WORK / (tried * runs * parameters), 200, ROUNDS))
     best, best_phi = x.copy(), _phi(x)
     phi, threshold = best_phi, 0.005
     for _ in range(rounds // ROUNDS_PER_STAGE):
         accepted, improved, start = 0, 0, best_phi
         for step in range(ROUNDS_PER_STAGE):
             column = step % parameters
-            pair, change = _best_exchange(x, column, rng)
+            pair, change = _best_exchange(x, column, tried, rng)
             # Relative to the present value: phi falls by orders of magnitude on the way.
             if change <= threshold * phi * rng.random():
                 x[pair, column] = x[pair[::-1], column]
@@ -69,25 +71,26 @@ def _inverse_power(squared: np.ndarray) -> np.ndarray:
     return c * c * b
 
 
-def _best_exchange(x: np.ndarray, column: int, rng) -> tuple[np.ndarray, float]:
-    """The pair of runs whose values in `column` are best exchanged, and the change of phi.
+def _best_exchange(x: np.ndarray, column: int, tried: int, rng) -> tuple[np.ndarray, float]:
+    """Of `tried` random pairs of runs, the one best exchanged in `column`; the change of phi.
 
     Only distances from those two runs change; that between them does not.
     """
     runs = len(x)
-    first = rng.integers(runs, size=TRIED)
-    second = (first + rng.integers(1, runs, size=TRIED)) % runs
+    first = rng.integers(runs, size=tried)
+    second = (first + rng.integers(1, runs, size=tried)) % runs
+    norms = (x * x).sum(axis=1)
+    mine = np.concatenate([first, second])
+    other = np.concatenate([second, first])
+    # Ranks are whole numbers, so this way to write distances is exact.
+    squared = norms[mine, None] + norms - 2.0 * (x[mine] @ x.T)
     values = x[:, column]
-    change = (_moved(x, values, first, second) + _moved(x, values, second, first))
+    shift = values[other] ** 2 - values[mine] ** 2
+    after = squared + shift[:, None] - 2.0 * np.outer(values[other] - values[mine], values)
+    row = np.arange(len(mine))
+    for distances in (squared, after):
+        distances[row, mine] = distances[row, other] = np.inf
+    change = (_inverse_power(after) - _inverse_power(squared)).sum(axis=1)
+    change = change[:tried] + change[tried:]
     best = int(np.argmin(change))
     return np.array([first[best], second[best]]), float(change[best])
-
-
-def _moved(x: np.ndarray, values: np.ndarray, mine: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Change of phi when runs `mine` take the values of runs `other` in one column; (tried,)."""
-    squared = ((x[mine, None, :] - x[None, :, :]) ** 2).sum(axis=2)
-    after = squared + (values[other, None] - values) ** 2 - (values[mine, None] - values) ** 2
-    tried = np.arange(len(mine))
-    for distances in (squared, after):
-        distances[tried, mine] = distances[tried, other] = np.inf
-    return (_inverse_power(after) - _inverse_power(squared)).sum(axis=1)
