@@ -12,6 +12,7 @@ import importlib
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from importlib.metadata import EntryPoint, entry_points
 from inspect import Parameter, getdoc, signature
 from pathlib import Path
@@ -132,10 +133,11 @@ def option_mistakes(function: Any, options: Mapping[str, Any],
     taken = {name: p for name, p in parameters_of(function).items() if name not in given}
     if any(p.kind is Parameter.VAR_KEYWORD for p in taken.values()):
         return []
-    mistakes = [(name, f"option '{name}' is unknown; {nearest(name, taken)}")
-                for name in options if name not in taken]
+    unknown = [name for name in options if name not in taken]
+    mistakes = [(name, f"option '{name}' is unknown; {nearest(name, taken)}") for name in unknown]
+    misspelt = {match for name in unknown for match in get_close_matches(name, taken, n=1)}
     mistakes += [("", f"option '{name}' is needed") for name, p in taken.items()
-                 if p.default is Parameter.empty and name not in options]
+                 if p.default is Parameter.empty and name not in options and name not in misspelt]
     known = {name: value for name, value in options.items() if name in taken}
     return mistakes + _value_mistakes(function, taken, known)
 

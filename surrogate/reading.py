@@ -77,7 +77,8 @@ class Reading:
     def options_wrong(self, mistakes: list[tuple[str, str]], *path: str | int) -> None:
         """Note what is wrong with a plug-in's options, which stand at `path`."""
         for option, sentence in mistakes:
-            self.wrong(sentence, *path, *filter(None, [option]), on_key=True)
+            misnamed = not option or "is unknown" in sentence
+            self.wrong(sentence, *path, *filter(None, [option]), on_key=misnamed)
 
     def is_broken(self, *path: str) -> bool:
         """True when the part at `path` was left out because of a mistake of shape."""

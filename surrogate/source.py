@@ -58,7 +58,9 @@ class Source:
         if key and path in self.keys:
             return self.keys[path]
         while path and path not in self.values:
-            path = path[:-1]
+            # Short forms leave out a level: `tension: [a, b]` for `tension: {range: [a, b]}`.
+            short = (*path[:-2], path[-1])
+            path = short if len(path) > 1 and short in self.values else path[:-1]
         return self.values.get(path, (1, 1))
 
     def sentence(self, path: Sequence[Key], text: str, *, key: bool = False) -> str:

@@ -1,0 +1,199 @@
+"""What lies in results/<study>/, and the whole way from a study to its report.
+
+    journal/              every finished run, as it finishes
+    runs.nc               the runs dataset
+    comparison.nc, sensitivity.nc, regression.nc
+    surrogates/*.json     surrogates that evaluate without this package
+    summary.json          the figures of the report, for scripts
+    study.yaml            the study as run
+    study_reduced.yaml    the study without the parameters that may be frozen
+    report.html           opens offline
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from surrogate import runs as rundata
+from surrogate.errors import FitError, ResultsError, StudyError
+from surrogate.execution import Progress
+from surrogate.reduction import reduced_text
+from surrogate.sensitivity.screening import Screening
+from surrogate.study import Fits, Study
+
+REPORT, SUMMARY, RUNS = "report.html", "summary.json", "runs.nc"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a study.
+
+    folder   where everything lies
+    summary  the content of summary.json
+    trouble  a sentence when something failed, else ""
+    fresh    False when all was up to date already
+    """
+
+    folder: Path
+    summary: Mapping[str, Any]
+    trouble: str
+    fresh: bool = True
+
+    @property
+    def report(self) -> Path:
+        """The report's path."""
+        return self.folder / REPORT
+
+
+def folder_of(study: Study, results: Path | None) -> Path:
+    """The study's own folder below `results` (default: results/ in the current folder)."""
+    return study.folder if results is None else results / study.name
+
+
+def complete(study: Study, folder: Path, *, workers: int | None = None,
+             retry_failed: bool = False,
+             progress: Callable[[Progress], None] | None = None) -> Outcome:
+    """Do the missing runs, then everything that follows from them.
+
+    Raises KeyboardInterrupt when stopped; all finished runs are kept.
+    """
+    try:
+        runs = study.run(workers=workers, results=folder, retry_failed=retry_failed,
+                         progress=progress)
+    except KeyboardInterrupt:
+        rundata.save(study.stored(folder), folder / RUNS)
+        raise
+    return analyse(study, folder, runs)
+
+
+def analyse(study: Study, folder: Path, runs: xr.Dataset | None = None) -> Outcome:
+    """Everything that follows from the runs: fits, tables, indices, decision, report.
+
+    runs: default, what the journal holds. Raises `ResultsError` when nothing was run.
+    """
+    runs = study.stored(folder) if runs is None else runs
+    if (runs["status"] == "missing").all():
+        raise ResultsError(f"{folder} holds no runs of this study; do `surrogate run` first")
+    stamp = _stamp(study, runs)
+    known = _read_summary(folder)
+    if known.get("stamp") == stamp and (folder / REPORT).exists():
+        return Outcome(folder, known, _trouble(runs, known["not_done"]), fresh=False)
+    return _write(study, folder, runs, stamp)
+
+
+def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
+    fits = study.fit(runs)
+    table = study.compare(fits, runs)
+    regressions = study.regressions(fits)
+    indices = study.sensitivity(fits, runs, table)
+    screening = study.screening(fits, runs, table, indices)
+    reduced = reduced_text(study, screening) if screening is not None else ""
+    not_done = study.unfitted(runs, fits)
+    rundata.save(runs, folder / RUNS)
+    for name, dataset in (("comparison", table), ("sensitivity", indices)):
+        if dataset is not None:
+            rundata.save(dataset, folder / f"{name}.nc")
+    _save_regressions(regressions, folder / "regression.nc")
+    _save_portable(fits, folder / "surrogates")
+    write_text(folder / "study.yaml", study.text)
+    if reduced:
+        write_text(folder / "study_reduced.yaml", reduced)
+    study.report(runs, fits, table, indices, screening=screening,
+                 reduced=reduced).save(folder / REPORT)
+    summary = {"study": study.name, "stamp": stamp, "runs": rundata.counts(runs),
+               "comparison": _figures(table), "sensitivity": _figures(indices),
+               "regression": {name: {output: _figures(one) for output, one in by.items()}
+                              for name, by in regressions.items()},
+               "screening": _screening_figures(screening), "not_done": not_done}
+    write_text(folder / SUMMARY, json.dumps(summary, indent=1, allow_nan=False))
+    return Outcome(folder, summary, _trouble(runs, not_done))
+
+
+def _stamp(study: Study, runs: xr.Dataset) -> str:
+    """Digest of all that the derived files depend on."""
+    digest = hashlib.sha256(study.text.encode())
+    digest.update(json.dumps(rundata.versions(), sort_keys=True).encode())
+    for name in sorted(map(str, runs.data_vars)):
+        values = runs[name].values
+        digest.update(np.ascontiguousarray(values if values.dtype.kind in "fiuM"
+                                           else values.astype("U")).tobytes())
+    return digest.hexdigest()[:16]
+
+
+def _read_summary(folder: Path) -> dict[str, Any]:
+    with suppress(OSError, ValueError):
+        return json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    return {}
+
+
+def _trouble(runs: xr.Dataset, not_done: list[str]) -> str:
+    counts = rundata.counts(runs)
+    words = {"failed": "failed", "timed_out": "timed out", "missing": "not done yet"}
+    found = [f"{counts[key]} {word}" for key, word in words.items() if counts[key]]
+    sentences = [f"of {runs.sizes['run']} runs: {', '.join(found)}; `surrogate status` says why"] \
+        if found else []
+    return "\n".join([*sentences, *not_done])
+
+
+def _save_regressions(regressions: Mapping[str, Mapping[str, xr.Dataset]], path: Path) -> None:
+    """A group per surrogate; with several outputs, a group per output inside it."""
+    groups = {f"/{name}" if len(by) == 1 else f"/{name}/{output}": table
+              for name, by in regressions.items() for output, table in by.items()}
+    if groups:
+        rundata.save(xr.DataTree.from_dict(groups), path)
+
+
+def _save_portable(fits: Fits, folder: Path) -> None:
+    for name, by_output in fits.items():
+        described = {}
+        for output, fit in by_output.items():
+            with suppress(FitError):  # a regressor without a portable form
+                described[output] = fit.portable()
+        if described:
+            write_text(folder / f"{name}.json", json.dumps(described, allow_nan=False))
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file whole or not at all; `ResultsError` when the disk does not take it."""
+    part = path.with_name(f".{path.name}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part.write_text(text, encoding="utf-8")
+        os.replace(part, path)
+    except OSError as error:
+        with suppress(OSError):
+            part.unlink()
+        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def _figures(dataset: xr.Dataset | None) -> dict[str, Any] | None:
+    """A dataset's numbers as JSON data; what is not finite becomes null."""
+    if dataset is None:
+        return None
+    return {"attributes": {str(k): _plain(v) for k, v in dataset.attrs.items()},
+            **{str(name): {"dimensions": list(map(str, values.dims)),
+                           "values": _plain(values.values)}
+               for name, values in {**dataset.coords, **dataset.data_vars}.items()}}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,134 @@
+"""Mistakes in a study file: each found before the first run, all at once, with its place."""
+
+import re
+
+import pytest
+
+from surrogate.errors import StudyError
+from surrogate.study import Study
+
+SOUND = """\
+study: demo
+solver: {name: borehole}
+parameters:
+  rw: [0.05, 0.15]
+  L: {range: [1120, 1680], unit: m}
+  Kw: {range: [9855, 12045], unit: m/yr}
+constants: {Tl: 90}
+outputs: [flow]
+designs:
+  train: {method: latin_hypercube, runs: 20, seed: 1}
+  test: {method: sobol, runs: 8, seed: 2}
+surrogates:
+  linear: {method: linear}
+  forest: {method: "sklearn.ensemble:RandomForestRegressor", options: {n_estimators: 10}}
+sensitivity: {method: sobol, surrogate: best, confidence: 0.95}
+screening: {freeze_below: 0.02}
+execution: {workers: 2, timeout: 30 min, retries: 1}
+"""
+
+#: what is changed, into what, and where (line, column) and what the sentence must say
+MISTAKES = {
+    "misspelt key": ("screening:", "screning:", "16:1", "did you mean 'screening'"),
+    "misspelt solver": ("name: borehole", "name: boreole", "2:16", "did you mean 'borehole'"),
+    "unknown parameter": ("  rw:", "  rv:", "4:3", "no input 'rv'; did you mean"),
+    "upside down": ("[0.05, 0.15]", "[0.15, 0.05]", "4:7", "upside down"),
+    "outside the solver": ("[0.05, 0.15]", "[0.05, 15]", "4:7", "15 m is above .*0.15 m"),
+    "one number": ("[0.05, 0.15]", "[0.05]", "4:7", "2 entries"),
+    "not a number": ("[0.05, 0.15]", "[0.05, wide]", "4:14", "must be a number"),
+    "wrong unit": ("unit: m}", "unit: kg}", "5:6", "'kg' does not convert to 'm'"),
+    "unknown unit": ("unit: m/yr", "unit: m/yaer", "6:7", "'m/yaer' is unknown"),
+    "unknown distribution": ("rw: [0.05, 0.15]", "rw: {distribution: gaussian}", "4:7",
+                             "'gaussian' is unknown"),
+    "distribution word": ("rw: [0.05, 0.15]",
+                          "rw: {distribution: normal, mean: 0.1, range: [0.05, 0.15]}",
+                          "4:7", "needs 'std'"),
+    "open distribution": ("rw: [0.05, 0.15]", "rw: {distribution: normal, mean: 0.1, std: 0.1}",
+                          "4:7", "beyond what the solver accepts .* add range"),
+    "unknown constant": ("{Tl: 90}", "{Tll: 90}", "7:13", "did you mean 'Tl'"),
+    "constant and parameter": ("{Tl: 90}", "{Tl: 90, L: 1200}", "7:21", "also a parameter"),
+    "constant too large": ("{Tl: 90}", "{Tl: 900}", "7:17", "above the largest"),
+    "unknown output": ("[flow]", "[flwo]", "8:11", "did you mean 'flow'"),
+    "misspelt design": ("method: latin_hypercube", "method: latin_hypercub", "10:19",
+                        "did you mean 'latin_hypercube'"),
+    "design option": ("{method: sobol, runs: 8", "{method: sobol, rns: 8", "11:25",
+                      "did you mean 'runs'"),
+    "missing option": ("{method: sobol, runs: 8, ", "{method: sobol, ", "11:3",
+                       "'runs' is needed"),
+    "option of wrong type": ("runs: 20", "runs: some", "10:42", "'some' is not accepted"),
+    "too few runs": ("runs: 20", "runs: 3", "13:3", "4 coefficients .* 3 different points"),
+    "unknown regressor": ("{method: linear}", "{method: liner}", "13:20", "did you mean 'linear'"),
+    "unknown class": ("RandomForestRegressor", "RandomForest", "14:20", "does not load"),
+    "regressor option": ("n_estimators: 10", "n_estimator: 10", "14:72",
+                         "did you mean 'n_estimators'"),
+    "unknown train": ("{method: linear}", "{method: linear, train: trian}", "13:35",
+                      "did you mean 'train'"),
+    "unknown surrogate": ("surrogate: best", "surrogate: lienar", "15:41", "did you mean 'linear'"),
+    "unknown sensitivity": ("sensitivity: {method: sobol", "sensitivity: {method: sobl", "15:23",
+                            "did you mean 'sobol'"),
+    "share above one": ("freeze_below: 0.02", "freeze_below: 2", "16:27", "below 1"),
+    "duration": ("30 min", "30 mns", "17:34", "write '30 s'"),
+    "no worker": ("workers: 2", "workers: 0", "17:22", "at least 1"),
+    "doubled key": ("outputs:", "designs:", "9:1", "stands twice"),
+    "tab": ("  rw:", "\trw:", "4:1", "not YAML"),
+}
+
+
+def mistakes_of(text: str) -> list[str]:
+    with pytest.raises(StudyError) as caught:
+        Study.from_text(text, "demo.yaml")
+    return list(caught.value.mistakes)
+
+
+def test_the_sound_study_is_sound():
+    """What the mistakes are made in has none."""
+    study = Study.from_text(SOUND)
+    assert study.space.names == ("rw", "L", "Kw")
+    assert study.execution.timeout == 1800.0
+
+
+@pytest.mark.parametrize("before, after, place, words", MISTAKES.values(), ids=MISTAKES)
+def test_one_mistake_one_sentence_at_its_place(before, after, place, words):
+    """One change, one sentence, with line, column and cure."""
+    assert SOUND.count(before) >= 1
+    found = mistakes_of(SOUND.replace(before, after, 1))
+    assert len(found) == 1, found
+    assert re.search(words, found[0]), found[0]
+    assert found[0].startswith(f"demo.yaml:{place}: "), found[0]
+
+
+def test_all_mistakes_at_once():
+    """Twelve mistakes in one file give twelve sentences, in the order of the file."""
+    chosen = ["outside the solver", "wrong unit", "unknown unit", "constant too large",
+              "unknown output", "misspelt design", "design option", "unknown regressor",
+              "regressor option", "unknown sensitivity", "misspelt key", "duration"]
+    text = SOUND
+    for name in chosen:
+        text = text.replace(*MISTAKES[name][:2], 1)
+    found = mistakes_of(text)
+    lines = [int(sentence.split(":")[1]) for sentence in found]
+    for name in chosen:
+        assert any(re.search(MISTAKES[name][3], sentence) for sentence in found), name
+    assert lines == sorted(lines)
+
+
+@pytest.mark.parametrize("text", ["", "just words", "[1, 2]", "study: x", "study: 3\nsolver: {}"])
+def test_hardly_a_study(text):
+    """Files that are hardly a study get sentences too."""
+    assert mistakes_of(text)
+
+
+def test_the_same_words_from_python():
+    """Mistakes in Python data are placed by the path of words."""
+    with pytest.raises(StudyError, match=r"^designs\.train\.rns: option 'rns' is unknown"):
+        Study.from_mapping({"study": "x", "solver": "borehole", "parameters": {"rw": [0.05, 0.1]},
+                            "designs": {"train": {"method": "sobol", "rns": 8, "runs": 4}}})
+
+
+def test_a_csv_that_is_not_there(tmp_path):
+    """A design's file is looked for beside the study."""
+    path = tmp_path / "demo.yaml"
+    path.write_text(SOUND.replace("{method: sobol, runs: 8, seed: 2}",
+                                  "{method: csv, path: points.csv}"))
+    with pytest.raises(StudyError, match="points.csv"):
+        Study.from_yaml(path)
