@@ -26,7 +26,7 @@ know that they are spread more evenly than random ones.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +37,7 @@ from surrogate.errors import StudyError
 from surrogate.space import Space
 
 Predict = Callable[[np.ndarray], np.ndarray]
+Groups = Sequence[Sequence[int]]
 
 #: Most numbers held at once in the block of function values: 32 MB.
 BLOCK = 4_000_000
@@ -57,26 +58,30 @@ class Sampled:
     evaluations: int
 
 
-def pick_freeze(predict: Predict, space: Space, *, samples: int = 2**14, scramblings: int = 16,
-                confidence: float = 0.95, seed=None) -> Sampled:
+def pick_freeze(predict: Predict, space: Space, *, groups: Groups | None = None,
+                samples: int = 2**14, scramblings: int = 16, confidence: float = 0.95,
+                seed=0) -> Sampled:
     """Sobol' indices of `predict` over the independent inputs of `space`.
 
     predict      coded points (run, parameter) -> values (run,) or (run, ...); the indices
                  of an array are those of its components weighted by variance (Gamboa,
                  Janon, Klein and Lagnoux 2014, doi 10.1214/14-EJS895)
+    groups       lists of input numbers that are moved together; default: each input alone.
+                 The indices are then those of the groups, which must not overlap
     samples      number of pairs (A, B), rounded up to `scramblings` powers of two;
-                 (2 d + 2) evaluations each, in blocks of bounded memory
+                 (2 d + 2) evaluations each for d groups, in blocks of bounded memory
     scramblings  independent randomisations; their scatter gives the intervals
     """
     if scramblings < 4:
         raise StudyError(f"scramblings: {scramblings} is too few for an interval; take 8 or more")
-    moments = product_moments(predict, space, samples=samples, scramblings=scramblings, seed=seed)
+    moments = product_moments(predict, space, groups=groups, samples=samples,
+                              scramblings=scramblings, seed=seed)
     values, errors = jackknife(ratios, moments)
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, scramblings - 1)
     names = ("first_order", "total", "second_order")
     half = {name: quantile * error for name, error in zip(names, errors, strict=True)}
     runs = scramblings * per_scrambling(samples, scramblings)
-    return Sampled(*values, half=half, evaluations=runs * (2 * space.size + 2))
+    return Sampled(*values, half=half, evaluations=runs * moments.shape[-1])
 
 
 def per_scrambling(samples: int, scramblings: int) -> int:
@@ -84,22 +89,25 @@ def per_scrambling(samples: int, scramblings: int) -> int:
     return 2 ** max(3, int(np.ceil(np.log2(samples / scramblings))))
 
 
-def product_moments(predict: Predict, space: Space, *, samples: int, scramblings: int,
-                    seed=None) -> np.ndarray:
+def product_moments(predict: Predict, space: Space, *, groups: Groups | None = None,
+                    samples: int, scramblings: int, seed=None) -> np.ndarray:
     """Means of products f(X) f(X') over the points, shape (scramblings, k, k).
 
-    The k = 2 d + 2 columns are A, B, A_1 .. A_d, B_1 .. B_d, less a rough mean of f so
-    that no digits are lost; components of an array are summed.
+    The k = 2 d + 2 columns, for d groups, are A, B, A_1 .. A_d, B_1 .. B_d, less a rough
+    mean of f so that no digits are lost; components of an array are summed.
     """
     d = space.size
+    groups = [[i] for i in range(d)] if groups is None else groups
+    k = 2 * len(groups) + 2
     runs = per_scrambling(samples, scramblings)
     centre, width = _pilot(predict, space)
-    block = max(8, min(runs, 2 ** int(np.log2(max(8, BLOCK // (width * (2 * d + 2)))))))
-    moments = np.zeros((scramblings, 2 * d + 2, 2 * d + 2))
+    block = block_size(width * k, runs)
+    moments = np.zeros((scramblings, k, k))
     for r, generator in enumerate(np.random.default_rng(seed).spawn(scramblings)):
         for u in unit_blocks(2 * d, runs, block, generator):
             A, B = space.quantile(u[:, :d]), space.quantile(u[:, d:])
-            columns = np.column_stack([(predict(X) - centre).ravel() for X in _mixtures(A, B)])
+            mixtures = _mixtures(A, B, groups)
+            columns = np.column_stack([(predict(X) - centre).ravel() for X in mixtures])
             moments[r] += columns.T @ columns / runs
     return moments
 
@@ -111,20 +119,25 @@ def unit_blocks(dimensions: int, runs: int, block: int, generator) -> Iterator[n
         yield np.clip(sequence.random(block), 1e-12, 1.0 - 1e-12)
 
 
+def block_size(width: int, runs: int) -> int:
+    """Points at once, a power of two, when each gives `width` numbers; at most `runs`."""
+    return int(np.clip(2 ** int(np.log2(max(BLOCK // width, 1))), 1, runs))
+
+
 def _pilot(predict: Predict, space: Space) -> tuple[np.ndarray, int]:
     """Rough mean of f, and the number of its components."""
     values = np.asarray(predict(space.sample(64, seed=0)))
     return values.mean(axis=0), values[0].size
 
 
-def _mixtures(A: np.ndarray, B: np.ndarray) -> Iterator[np.ndarray]:
-    """A, B, then A with one column from B, then B with one column from A."""
+def _mixtures(A: np.ndarray, B: np.ndarray, groups: Groups) -> Iterator[np.ndarray]:
+    """A, B, then A with one group of columns from B, then B with one group from A."""
     yield A
     yield B
     for base, other in ((A, B), (B, A)):
-        for i in range(A.shape[1]):
+        for group in groups:
             mixed = base.copy()
-            mixed[:, i] = other[:, i]
+            mixed[:, group] = other[:, group]
             yield mixed
 
 

@@ -18,7 +18,7 @@ SHARE = (0.0, 1.0)
 SPREAD_SAMPLES = 512
 
 
-def sobol(fit, space: Space, *, seed=None, confidence: float = 0.95, samples: int = 2**14,
+def sobol(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**14,
           scramblings: int = 16, draws: int = 100, closed_form: bool = True,
           q2: float | None = None, q2_needed: float = Q2_NEEDED) -> xr.Dataset:
     """First-order, total and second-order Sobol' indices of one output.

@@ -1,0 +1,194 @@
+"""Keep or freeze: the decision that reduces a study to the parameters that matter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from surrogate.errors import StudyError, nearest
+from surrogate.sensitivity.frozen import VarianceKept, variance_kept
+from surrogate.sensitivity.model import Model, model
+from surrogate.sensitivity.one_at_a_time import base_point, one_at_a_time, quantity
+from surrogate.space import Space
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The decision on one parameter.
+
+    total, high      largest total index over the outputs concerned, and largest upper bound
+    worst_case       largest total index should all that a surrogate misses be this parameter's
+    one_at_a_time    its largest share of the sum of effects of one parameter at a time
+    kept_by_old_rule whether the rule on those shares keeps it for some output
+    value            where it is frozen, in the parameter's unit; None when kept
+    sentence         the decision and its reason
+    """
+
+    parameter: str
+    frozen: bool
+    total: float
+    high: float
+    worst_case: float
+    one_at_a_time: float
+    kept_by_old_rule: bool
+    value: float | str | None
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Screening:
+    """Which parameters to keep, and what that costs.
+
+    refused    why nothing was decided, or empty; then every parameter is kept
+    threshold  of the old rule, a share of the sum of effects
+    """
+
+    freeze_below: float
+    confidence: float
+    outputs: tuple[str, ...]
+    verdicts: tuple[Verdict, ...]
+    variance_kept: tuple[VarianceKept, ...]
+    threshold: float
+    refused: str = ""
+
+    @property
+    def keep(self) -> tuple[str, ...]:
+        """Parameters that go on varying, in the space's order."""
+        return tuple(v.parameter for v in self.verdicts if not v.frozen)
+
+    @property
+    def freeze(self) -> tuple[str, ...]:
+        """Parameters to freeze, in the space's order."""
+        return tuple(v.parameter for v in self.verdicts if v.frozen)
+
+    @property
+    def frozen_values(self) -> dict[str, float | str]:
+        """Parameters to freeze and the value at which, in their units."""
+        return {v.parameter: v.value for v in self.verdicts if v.frozen}
+
+    @property
+    def kept_by_old_rule(self) -> tuple[str, ...]:
+        """What the one-at-a-time rule would have kept."""
+        return tuple(v.parameter for v in self.verdicts if v.kept_by_old_rule)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """The decision in words: one sentence or two for each parameter, then the old rule's."""
+        old = (f"One parameter moved at a time, the rule of {self.threshold:.0%} keeps "
+               f"{', '.join(self.kept_by_old_rule) or 'nothing'}.")
+        return (*filter(None, [self.refused]), *(v.sentence for v in self.verdicts), old)
+
+    def summary(self) -> dict[str, Any]:
+        """The same as plain numbers and words, for `summary.json`; unknown numbers are None."""
+        return {"keep": list(self.keep), "freeze": list(self.freeze),
+                "frozen_values": self.frozen_values,
+                "variance_kept": {kept.output: asdict(kept) for kept in self.variance_kept},
+                "freeze_below": self.freeze_below, "confidence": self.confidence,
+                "refused": self.refused, "kept_by_old_rule": list(self.kept_by_old_rule),
+                "old_rule_threshold": self.threshold,
+                "verdicts": [_known(asdict(verdict)) for verdict in self.verdicts]}
+
+
+def decide(indices: xr.Dataset, freeze_below: float, *, fits: Mapping[str, Any], space: Space,
+           outputs: Sequence[str] | None = None, nominal: Mapping[str, Any] | None = None,
+           threshold: float = 0.93, samples: int = 2**14, draws: int = 100,
+           seed=0) -> Screening:
+    """Freeze each parameter whose total index is surely below `freeze_below`.
+
+    indices    dataset of method sobol; "surely" means the upper end of the interval of the
+               total index, for every output concerned
+    fits       output -> fit (or function of coded points) that the indices were computed of
+    outputs    the outputs concerned; default: all in `indices`
+    nominal    name -> physical value at which to freeze; default: the middle of the range
+    threshold  of the one-at-a-time rule, which is listed beside and decides nothing
+
+    When an output's indices carry a refusal nothing is frozen. Raises `StudyError` for an
+    output or index that is not there.
+    """
+    outputs = _concerned(indices, fits, outputs)
+    chosen = indices.sel(output=list(outputs))
+    at = base_point(space, nominal)
+    refused = " ".join(dict.fromkeys(s for s in chosen["refused"].values.tolist() if s))
+    old = [one_at_a_time(fits[name], space, base=nominal, threshold=threshold)
+           for name in outputs]
+    evidence = chosen.assign(one_at_a_time=_over_outputs(old, "share"),
+                             kept_by_old_rule=_over_outputs(old, "kept_by_share"))
+    verdicts = tuple(_verdict(evidence.isel(parameter=j), space, at, freeze_below, refused)
+                     for j in range(space.size))
+    frozen = [j for j, verdict in enumerate(verdicts) if verdict.frozen]
+    kept = tuple(variance_kept(_model(fits[name], space, chosen, name), frozen, at,
+                               samples=samples, draws=draws,
+                               confidence=indices.attrs["confidence"], seed=seed)
+                 for name in outputs)
+    return Screening(freeze_below, indices.attrs["confidence"], outputs, verdicts, kept,
+                     threshold, refused)
+
+
+def _concerned(indices: xr.Dataset, fits, outputs) -> tuple[str, ...]:
+    """Names of the outputs concerned, all of which have total indices and a fit."""
+    if "total_high" not in indices:
+        raise StudyError(f"screening needs total indices, which method "
+                         f"{indices.attrs.get('method')} does not give; use method sobol")
+    there = [str(name) for name in indices["output"].values]
+    outputs = tuple(there if outputs is None else outputs)
+    for name in outputs:
+        if name not in there or name not in fits:
+            raise StudyError(f"output '{name}' has no sensitivity indices; {nearest(name, there)}")
+    return outputs
+
+
+def _over_outputs(tables: list[xr.Dataset], name: str) -> xr.DataArray:
+    return xr.concat([table[name] for table in tables], "output", join="exact")
+
+
+def _model(fit, space: Space, chosen: xr.Dataset, output: str) -> Model:
+    """The model with the Q2 that its indices were judged by."""
+    q2 = float(chosen["q2"].sel(output=output))
+    return model(fit, space, q2=None if np.isnan(q2) else q2)
+
+
+def _verdict(evidence: xr.Dataset, space: Space, at: np.ndarray, freeze_below: float,
+             refused: str) -> Verdict:
+    """Decide on one parameter; evidence has dimension output."""
+    name = str(evidence["parameter"].item())
+    high = evidence["total_high"]
+    worst = str(high["output"].values[int(high.argmax())])
+    frozen = not refused and bool((high < freeze_below).all())
+    j = space.names.index(name)
+    sentence = _sentence(evidence.sel(output=worst), quantity(space[name], at[j]), freeze_below,
+                         frozen, refused)
+    return Verdict(
+        parameter=name, frozen=frozen, total=float(evidence["total"].max()),
+        high=float(high.max()), worst_case=float(evidence["total_worst"].max(skipna=False)),
+        one_at_a_time=float(evidence["one_at_a_time"].max()),
+        kept_by_old_rule=bool(evidence["kept_by_old_rule"].any()),
+        value=space[name].decode(at[j]).item() if frozen else None, sentence=sentence)
+
+
+def _sentence(row: xr.Dataset, value: str, freeze_below: float, frozen: bool,
+              refused: str) -> str:
+    """The decision on one parameter and its reason, from the output where it matters most."""
+    name, output = row["parameter"].item(), row["output"].item()
+    total, low, high = (float(row[key]) for key in ("total", "total_low", "total_high"))
+    if refused:
+        return f"{name}: keep, because its indices are not to be relied on."
+    if frozen:
+        return (f"{name}: freeze at {value}. Its total index is at most {high:.2g} ({output}), "
+                f"below {freeze_below:g}.")
+    if low >= freeze_below:
+        return f"{name}: keep. Its total index is {total:.2g} and at least {low:.2g} ({output})."
+    missed = 1.0 - float(row["q2"])
+    cause = (f"the surrogate misses {missed:.1%} of the variance; a better one could settle it"
+             if missed > 0.5 * freeze_below else "more samples or runs could settle it")
+    return (f"{name}: keep, not settled. Its total index is {total:.2g} but may be {high:.2g} "
+            f"({output}), not surely below {freeze_below:g}: {cause}.")
+
+
+def _known(values: dict[str, Any]) -> dict[str, Any]:
+    """Numbers that are not known as None, for JSON."""
+    return {key: None if isinstance(value, float) and np.isnan(value) else value
+            for key, value in values.items()}
