@@ -9,8 +9,16 @@ Konyukhov and Schweizerhof 2013 for the covariant form) ::
     (a - d . y_ab) dxi = y_a . (dx - dy) + d . dy_a          a = metric
 
 so that everything is a 9 x 9 matrix on (dx - dy, dy_1, dy_2) at each point. Slip is
-measured from an anchor in the surface's own convected coordinates. Areas are those of
-the laid bandage: pressures are per laid area (see `outputs` for the true ones).
+measured from an anchor in the surface's own convected coordinates.
+
+Newton on t = -mu p s / N(|s|) alone overshoots for ever once |s| exceeds the elastic slip,
+as it does on any saturating function. So the direction w, |w| <= 1, is an unknown of its
+own, with w N(|s|) = s, linearised in both and condensed point by point (Chan, Golub and
+Mulet 1999, for total variation): the residual stays that of the law, and the tangent
+takes w for s / N, which agrees at the solution.
+
+Areas are those of the laid bandage: pressures are per laid area (see `outputs` for the
+true ones).
 """
 
 from __future__ import annotations
@@ -77,10 +85,11 @@ def solve2(matrix, rhs):
 
 @dataclass(frozen=True)
 class ContactState:
-    """Projection and anchor in surface parameters (n, 2), and whether all is held."""
+    """Projection and anchor in surface parameters (n, 2), direction of friction (n, 3), held."""
 
     xi: np.ndarray
     anchor: np.ndarray
+    w: np.ndarray
     held: bool = True
 
 
@@ -96,7 +105,7 @@ class Contact:
         self.points, self.surface, self.X, self.law = points, surface, X, law
         self.offset = np.asarray(offset, float)
         self.margin = margin
-        self.current = ContactState(xi.copy(), xi.copy())
+        self.current = ContactState(xi.copy(), xi.copy(), np.zeros((len(xi), 3)))
         self.cells = surface.cell(xi)
         self.rebuild()
 
@@ -110,15 +119,28 @@ class Contact:
         """Take back the projection, the anchors and the mode of an earlier state."""
         self.current = state
 
-    def advance(self, du):
-        """Nothing internal follows a Newton increment."""
+    def advance(self, du, step=1.0):
+        """Move the directions w along the Newton increment `du`; `step` is the damping."""
+        ds, s, unit, psi, bend, nodes, weights = self._last
+        moved = np.einsum("pkm,pmc->pkc", weights, du.reshape(-1, 3)[nodes])
+        change = np.einsum("pcj,pj->pc", ds, moved.reshape(len(moved), 9))
+        w = self.current.w
+        along = np.einsum("pc,pc->p", unit, change)
+        # N = 1 / psi, so N' = -psi' / psi^2
+        target = psi[:, None] * (s + change) + (bend / psi * along)[:, None] * w
+        w = w + step * (target - w)
+        w /= np.maximum(np.linalg.norm(w, axis=1), 1.0)[:, None]
+        self.current = replace(self.current, w=w)
 
     def linearise(self, u):
         """Residual (ndof,) and values (nnz,) of the tangent at displacements u (ndof,)."""
         x = self.X + u.reshape(-1, 3)
         k = self._kinematics(x)
-        force, tangent = self._traction(k)
         nodes, weights = self._operators(k)
+        force, tangent, ds = self._traction(k)
+        psi, bend = self.law.drag(k["slip_size"])
+        unit = k["slip"] / np.maximum(k["slip_size"], 1e-30)[:, None]
+        self._last = ds, k["slip"], unit, psi, bend, nodes, weights
         residual = np.zeros(u.size)
         for c in range(3):
             share = -weights[:, 0] * (force[:, c] * self.points.area)[:, None]
@@ -147,7 +169,14 @@ class Contact:
         scale = np.where(most > 0, slip / np.maximum(k["slip_size"], 1e-300), 0.0)
         scale = np.where(self.points.tied, 1.0, scale)
         anchor = k["xi"] - scale[:, None] * k["shift"]
-        self.current = ContactState(k["xi"], anchor, held=False)
+        self.current = replace(self.current, xi=k["xi"], anchor=anchor, held=False)
+        self.align(u)
+
+    def align(self, u):
+        """Set w = s / N(|s|) at displacements u: the tangent is then the residual's derivative."""
+        k = self._kinematics(self.X + u.reshape(-1, 3))
+        psi, _ = self.law.drag(k["slip_size"])
+        self.current = replace(self.current, w=psi[:, None] * k["slip"])
 
     def accept(self, u):
         """End of a load step: slip beyond the elastic slip moves the anchors.
@@ -161,12 +190,13 @@ class Contact:
         lost = self.law.mu * k["p"] * k["slip_size"] * (1 - keep) * self.points.area
         anchor = k["xi"] - keep[:, None] * (k["xi"] - self.current.anchor)
         self.current = replace(self.current, xi=k["xi"], anchor=anchor)
+        self.align(u)
         return float(lost[~stuck].sum())
 
     def report(self, u):
         """Gap, pressure per laid area, traction (n, 3), slip, normal and parameters now."""
         k = self._kinematics(self.X + u.reshape(-1, 3))
-        force, _ = self._traction(k)
+        force, _, _ = self._traction(k)
         names = ("gap", "p", "slip_size", "normal", "xi")
         return {name: k[name] for name in names} | {"traction": force}
 
@@ -194,7 +224,7 @@ class Contact:
         }  # fmt: skip
 
     def _traction(self, k):
-        """Traction F (n, 3) on the bandage and the 9 x 9 tangent of its virtual work."""
+        """Traction F (n, 3) on the bandage, the 9 x 9 tangent of its virtual work, and dslip."""
         jet, n, d, p, s = k["jet"], k["normal"], k["d"], k["p"], k["slip"]
         held, size, count = k["held"], k["slip_size"], len(n)
         # rows of dxi: (n, 2, 9) on (dx - dy, dy_1, dy_2)
@@ -218,19 +248,19 @@ class Contact:
 
         psi, bend = self.law.drag(size)
         grip = np.where(held, self.law.penalty, self.law.mu * p * psi)
-        loosen = np.where(held, 0.0, self.law.mu * p * bend / np.maximum(size, 1e-30))
+        loosen = np.where(held, 0.0, self.law.mu * p * bend / psi / np.maximum(size, 1e-30))
         force = p[:, None] * n - grip[:, None] * s
-        mu_psi = np.where(held, 0.0, self.law.mu * psi)
-        dF = np.einsum("pc,pj->pcj", n - mu_psi[:, None] * s, dp)
+        w = np.where(held[:, None], 0.0, self.current.w)
+        dF = np.einsum("pc,pj->pcj", n - self.law.mu * w, dp)
         dF += p[:, None, None] * dn - grip[:, None, None] * ds
         along = np.einsum("pc,pcj->pj", s, ds)
-        dF -= np.einsum("p,pc,pj->pcj", loosen, s, along)
+        dF -= np.einsum("p,pc,pj->pcj", loosen, w, along)
 
         tangent = np.zeros((count, 9, 9))
         tangent[:, :3] = -dF
         tangent[:, 3:6] = np.einsum("pc,pj->pcj", force, dxi[:, 0])
         tangent[:, 6:9] = np.einsum("pc,pj->pcj", force, dxi[:, 1])
-        return force, tangent * self.points.area[:, None, None]
+        return force, tangent * self.points.area[:, None, None], ds
 
     def _operators(self, k):
         """Nodes (n, m) and weights (n, 3, m) of dx - dy, dy_1, dy_2."""
@@ -249,7 +279,7 @@ class Contact:
         """Set the offsets so that all gaps are zero at zero displacement."""
         k = self._kinematics(self.X)
         self.offset = self.offset + k["gap"]
-        self.current = ContactState(k["xi"], k["xi"].copy(), self.current.held)
+        self.current = replace(self.current, xi=k["xi"], anchor=k["xi"].copy())
         self.rebuild()
 
     def follow(self, u):

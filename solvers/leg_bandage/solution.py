@@ -185,14 +185,13 @@ class Problem:
     def _moved(self, u, du, step):
         """Take du, or less of it while an element turns inside out."""
         for _ in range(6):
-            state = [part.state() for part in self.inner]
-            for part in self.inner:
+            state = self.state()
+            for part in (*self.inner, *self.contacts):
                 part.advance(du / step, step)
             try:
                 return u + du, *self.linearise(u + du), step
             except SolverError:
-                for part, old in zip(self.inner, state, strict=True):
-                    part.restore(old)
+                self.restore(state)
                 du, step = du / 2, step / 2
         raise NotConverged(np.inf, 0)
 
@@ -215,7 +214,7 @@ def creep(problem: Problem, u, viscosity: float, watch: Callable | None = None):
         except NotConverged as failure:
             problem.restore(state)
             cost.cut_backs += 1
-            viscosity, last = 8 * viscosity, failure
+            viscosity, last = 4 * viscosity, failure
             if viscosity > largest:
                 break
             continue
@@ -229,5 +228,5 @@ def creep(problem: Problem, u, viscosity: float, watch: Callable | None = None):
         if viscosity * move < limits.rest:
             return u, viscosity * move
         if iterations < 14:
-            viscosity = max(viscosity / (8 if iterations < 8 else 3), smallest)
+            viscosity = max(viscosity / (4 if iterations < 8 else 2), smallest)
     raise last

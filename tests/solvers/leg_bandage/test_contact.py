@@ -58,6 +58,7 @@ def test_tangent_is_the_derivative_of_the_residual(held):
     contact.current = replace(contact.current, held=held)
     ndof = 3 * len(contact.X)
     u = rng.normal(0, 0.04, ndof)
+    contact.align(u)
     _, values = contact.linearise(u)
     K = np.zeros((ndof, ndof))
     np.add.at(K, (contact.rows, contact.cols), values)
