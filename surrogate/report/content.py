@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from surrogate.designs.aliasing import Aliasing
 from surrogate.fitting import Fit
 from surrogate.runs import RESERVED_NAMES
+from surrogate.sensitivity.screening import Screening
 from surrogate.space import Space
 
 #: Below this Q2 a surrogate's predictions are called poor.
@@ -31,6 +32,7 @@ class Content:
     screening       which parameters to keep
     aliasing        design -> aliasing of a two-level fraction
     reduced_study   text of the study file without the frozen parameters
+    not_done        sentences about what the study asked for and could not be done
     """
 
     name: str
@@ -41,9 +43,10 @@ class Content:
     comparison: xr.Dataset | None = None
     regression: Mapping[str, Mapping[str, xr.Dataset]] = field(default_factory=dict)
     sensitivity: xr.Dataset | None = None
-    screening: Any = None
-    aliasing: Mapping[str, Any] = field(default_factory=dict)
+    screening: Screening | None = None
+    aliasing: Mapping[str, Aliasing] = field(default_factory=dict)
     reduced_study: str = ""
+    not_done: Sequence[str] = ()
 
     @property
     def outputs(self) -> list[str]:

@@ -109,7 +109,7 @@ def percent(share) -> str:
         return f"above 99.9{THIN}%"
     if decimals and 0.0 < share < 0.0005:
         return f"below 0.1{THIN}%"
-    return f"{fixed(100.0 * share, decimals)}{THIN}%"
+    return f"{fixed(100.0 * share, decimals).removesuffix('.0')}{THIN}%"
 
 
 def duration(seconds) -> str:

@@ -69,8 +69,7 @@ def _sections(content: Content) -> Iterator[Section]:
     yield runs.section(content)
     for output in content.outputs:
         blocks = [*accuracy.blocks(content, output), *fields.blocks(content, output),
-                  *effects.blocks(content, output), *indices.blocks(content, output),
-                  *screening.blocks(content, output)]
+                  *effects.blocks(content, output), *indices.blocks(content, output)]
         yield Section(anchor("output", output), f"Output {output}", tuple(blocks))
     yield screening.section(content)
     yield provenance.section(content)

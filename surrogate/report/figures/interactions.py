@@ -10,6 +10,8 @@ from surrogate.report.drawing import WIDTH, drawing, group, label_room, shortene
 
 #: Up to this many parameters the squares have room for their numbers.
 WRITTEN = 9
+#: A largest index below this does not become black: small interactions look small.
+PALEST_PEAK = 0.05
 
 
 def interaction_map(names, value, low, high, output: str) -> Markup:
@@ -18,7 +20,7 @@ def interaction_map(names, value, low, high, output: str) -> Markup:
     left = label_room(names, 100.0)
     size = (WIDTH - left - 6) / max(count - 1, 1)
     height = min(size, 44.0)
-    peak = float(np.nanmax(np.abs(np.nan_to_num(value)), initial=0.0))
+    peak = float(np.nanmax(np.nan_to_num(value), initial=PALEST_PEAK))
     top, marks = 8.0, []
     for i in range(1, count):
         y = top + height * (i - 1)
@@ -42,7 +44,7 @@ def _square(x, y, width, height, written, peak, pair, numbers) -> Markup:
     value, low, high = map(float, numbers)
     known = np.isfinite(value)
     # Grey by the share of the largest pair: paper shows it as well as a screen does.
-    shade = int(round(255 - 175 * max(0.0, value) / peak)) if known and peak > 0 else 255
+    shade = int(round(255 - 175 * max(0.0, value) / peak)) if known else 255
     parts = [tag("rect", x=x + 1, y=y + 1, width=width - 2, height=height - 2, class_="cell",
                  style=f"fill:rgb({shade},{shade},{shade})")]
     if written:

@@ -1,6 +1,9 @@
-"""Sobol' indices as bars: first order and total side by side, with their intervals."""
+"""Sensitivity indices as bars with their intervals, and what the intervals are made of."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from markupsafe import Markup
@@ -14,95 +17,164 @@ from surrogate.report.drawing import (
     label_room,
     line,
     mark,
+    path,
     shortened,
     tag,
     text,
 )
 
-BAND = 40.0
+#: Height of one bar and of the room about a parameter's bars.
+BAR, ROOM = 14.0, 11.0
+TOP = 14.0
+SHARE = "share of the variance (–)"
 
 
-def sobol_bars(names, first: dict, total: dict, *, freeze_below: float | None = None,
-               trusted: bool = True, output: str = "") -> Markup:
-    """Two bars a parameter, largest total on top.
+@dataclass(frozen=True)
+class Bars:
+    """One bar a parameter: values, and ends of intervals (NaN for none), each (parameter,).
 
-    first and total hold `value`, `low`, `high`, `sampling` and `surrogate`, each
-    (parameter,): the thin whisker is the whole interval, the upper thick stroke the
-    sampling half-width, the lower one the surrogate's.
+    kind is the bar's class (`dark` or `light`), title what it is called.
     """
-    order = np.argsort(-np.nan_to_num(total["value"], nan=-1.0))
-    left = label_room(names, 110.0)
-    highest = np.nanmax([1.0, *_finite(total["high"]), *_finite(total["value"])])
-    lowest = min(0.0, *_finite(first["low"]), *_finite(total["low"]), 0.0)
-    x = Scale(float(lowest), float(highest), left, WIDTH - 14)
-    top, floor = 14.0, 14.0 + BAND * len(names)
-    marks = [line(x(v), top, x(v), floor, "grid") for v in x.ticks(5)]
-    marks += [text(x(v), floor + 14, words, "tick", "middle")
-              for v, words in zip(x.ticks(5), x.tick_words(5), strict=True)]
+
+    kind: str
+    title: str
+    value: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    @property
+    def finite(self) -> list[float]:
+        """All its numbers that can be drawn."""
+        joined = np.concatenate([self.value, self.low, self.high])
+        return [float(number) for number in joined if np.isfinite(number)]
+
+
+def index_bars(names: Sequence[str], series: Sequence[Bars], label: str, says: str, *,
+               freeze_below: float | None = None, trusted: bool = True) -> Markup:
+    """The series' bars side by side for each parameter, sorted by the last series."""
+    order = np.argsort(-np.nan_to_num(series[-1].value, nan=-np.inf), kind="stable")
+    band = BAR * len(series) + ROOM
+    rows = _Rows.of(names, [number for bars in series for number in bars.finite], band, len(names))
+    marks = [rows.frame(label)]
     for place, k in enumerate(order):
-        y = top + BAND * place
-        marks.append(text(left - 8, y + BAND / 2 + 4, shortened(names[k], left - 8), "name", "end"))
-        marks.append(_bar(x, y + 6, "first", names[k], "first order", first, k))
-        marks.append(_bar(x, y + 21, "total", names[k], "total", total, k))
-    marks.append(line(x(0.0), top - 4, x(0.0), floor, "axis"))
-    if freeze_below is not None:
-        marks.append(line(x(freeze_below), top - 4, x(freeze_below), floor, "threshold"))
-    marks.append(text((left + WIDTH) / 2, floor + 31, "share of the variance (–)", "label",
-                      "middle"))
-    return drawing(WIDTH, floor + 40, group(*marks, class_=None if trusted else "faded"),
-                   says=f"First-order and total Sobol' indices for {output}")
+        marks.append(rows.name(place, names[k]))
+        marks += [_bar(rows.x, rows.top(place) + ROOM / 2 + BAR * step, bars, k, names[k])
+                  for step, bars in enumerate(series)]
+    marks.append(rows.threshold(freeze_below))
+    return drawing(WIDTH, rows.floor + 40, group(*marks, class_=None if trusted else "faded"),
+                   says=says)
 
 
-def _finite(values) -> list[float]:
-    return [float(v) for v in np.ravel(values) if np.isfinite(v)]
-
-
-def _bar(x: Scale, y: float, kind: str, name: str, title: str, values: dict, k: int) -> Markup:
-    value, low, high = (float(values[key][k]) for key in ("value", "low", "high"))
+def _bar(x: Scale, y: float, bars: Bars, k: int, name: str) -> Markup:
+    value, low, high = float(bars.value[k]), float(bars.low[k]), float(bars.high[k])
     if not np.isfinite(value):
         return group()
     start, end = sorted((float(x(0.0)), float(x(value))))
-    parts = [tag("rect", x=start, y=y, width=end - start, height=13.0, class_=f"bar-{kind}")]
+    parts = [tag("rect", x=start, y=y, width=end - start, height=BAR - 2,
+                 class_=f"bar-{bars.kind}")]
     if np.isfinite(low) and np.isfinite(high):
-        parts.append(line(x(low), y + 6.5, x(high), y + 6.5, "whisker"))
-    for key, shift in (("sampling", 3.0), ("surrogate", 10.0)):
-        half = float(values[key][k])
-        if np.isfinite(half) and half > 0.0:
-            parts.append(line(x(max(x.low, value - half)), y + shift, x(min(x.high, value + half)),
-                              y + shift, f"part-{key}"))
-    tip = (f"{name}, {title}\n{digits.with_interval(value, low, high)}\n"
-           f"sampling ± {digits.figure(values['sampling'][k], 2)}, "
-           f"surrogate ± {digits.figure(values['surrogate'][k], 2)}")
-    return group(*parts, data_tip=tip, class_="hover")
+        parts.append(whisker(x, low, high, y + BAR / 2 - 1))
+    return group(*parts, class_="hover",
+                 data_tip=f"{name}, {bars.title}\n{digits.with_interval(value, low, high)}")
 
 
-def share_plot(names, one_at_a_time, total: dict, freeze_below: float | None) -> Markup:
+def whisker(x: Scale, low: float, high: float, y: float, cap: float = 3.5) -> Markup:
+    """An interval with its two ends."""
+    left, right = float(x(max(low, x.low))), float(x(min(high, x.high)))
+    return group(path([(left, y - cap), (left, y + cap)], "whisker"),
+                 line(left, y, right, y, "whisker"),
+                 path([(right, y - cap), (right, y + cap)], "whisker"))
+
+
+def part_bars(names: Sequence[str], total: Mapping[str, np.ndarray]) -> Markup:
+    """Half-widths of the total index's interval: sampling (dark) and surrogate (light)."""
+    nothing = np.full(len(names), np.nan)
+    order = np.argsort(-np.nan_to_num(total["value"], nan=-np.inf), kind="stable")
+    series = [Bars(kind, title, np.asarray(total[part])[order], nothing, nothing)
+              for kind, title, part in (("dark", "sampling ±", "sampling"),
+                                        ("light", "surrogate ±", "surrogate"))]
+    named = [names[k] for k in order]
+    rows = _Rows.of(named, [number for bars in series for number in bars.finite],
+                    BAR * 2 + ROOM, len(named))
+    marks = [rows.frame("half-width of the interval (–)")]
+    for place, name in enumerate(named):
+        marks.append(rows.name(place, name))
+        marks += [_bar(rows.x, rows.top(place) + ROOM / 2 + BAR * step, bars, place, name)
+                  for step, bars in enumerate(series)]
+    return drawing(WIDTH, rows.floor + 40, *marks,
+                   says="Sampling and surrogate parts of the intervals of the total indices")
+
+
+def share_plot(names: Sequence[str], shares, total: Mapping[str, np.ndarray],
+               freeze_below: float | None) -> Markup:
     """One-at-a-time share (square) beside the total index (disc with interval)."""
-    order = np.argsort(-np.nan_to_num(np.asarray(one_at_a_time, dtype=float), nan=-1.0))
-    left = label_room(names, 110.0)
-    highest = max([1.0, *_finite(total["high"])])
-    x = Scale(0.0, highest, left, WIDTH - 14)
-    row, top = 26.0, 14.0
-    floor = top + row * len(names)
-    marks = [line(x(v), top, x(v), floor, "grid") for v in x.ticks(5)]
-    marks += [text(x(v), floor + 14, words, "tick", "middle")
-              for v, words in zip(x.ticks(5), x.tick_words(5), strict=True)]
+    shares = np.asarray(shares, dtype=float)
+    order = np.argsort(-np.nan_to_num(shares, nan=-np.inf), kind="stable")
+    numbers = [float(v) for v in (*shares, *total["value"], *total["high"]) if np.isfinite(v)]
+    rows = _Rows.of(names, numbers, 26.0, len(names))
+    marks = [rows.frame("share (–)")]
     for place, k in enumerate(order):
-        y = top + row * (place + 0.5)
-        marks.append(text(left - 8, y + 4, shortened(names[k], left - 8), "name", "end"))
-        if np.isfinite(one_at_a_time[k]) and np.isfinite(total["value"][k]):
-            marks.append(line(x(one_at_a_time[k]), y, x(total["value"][k]), y, "stem"))
-        if np.isfinite(total["low"][k]):
-            marks.append(line(x(max(0.0, total["low"][k])), y, x(total["high"][k]), y, "whisker"))
-        if np.isfinite(total["value"][k]):
-            marks.append(mark("filled", x(total["value"][k]), y, 4.0, data_tip=(
-                f"{names[k]}\ntotal index " + digits.with_interval(
-                    total["value"][k], total["low"][k], total["high"][k]))))
-        if np.isfinite(one_at_a_time[k]):
-            marks.append(mark("square", x(one_at_a_time[k]), y, 4.0, data_tip=(
-                f"{names[k]}\none-at-a-time share {digits.percent(one_at_a_time[k])}")))
-    if freeze_below is not None:
-        marks.append(line(x(freeze_below), top - 4, x(freeze_below), floor, "threshold"))
-    marks.append(text((left + WIDTH) / 2, floor + 31, "share (–)", "label", "middle"))
-    return drawing(WIDTH, floor + 40, *marks,
+        marks.append(rows.name(place, names[k]))
+        marks.append(_pair(rows.x, rows.top(place) + 13.0, names[k], shares[k],
+                           *(float(total[part][k]) for part in ("value", "low", "high"))))
+    marks.append(rows.threshold(freeze_below))
+    return drawing(WIDTH, rows.floor + 40, *marks,
                    says="One-at-a-time shares beside total Sobol' indices")
+
+
+def _pair(x: Scale, y: float, name: str, share: float, value: float, low: float,
+          high: float) -> Markup:
+    parts = []
+    if np.isfinite(share) and np.isfinite(value):
+        parts.append(line(x(share), y, x(value), y, "stem"))
+    if np.isfinite(low) and np.isfinite(high):
+        parts.append(whisker(x, low, high, y))
+    if np.isfinite(value):
+        parts.append(mark("filled", x(value), y, 4.0, data_tip=(
+            f"{name}\ntotal index {digits.with_interval(value, low, high)}")))
+    if np.isfinite(share):
+        parts.append(mark("square", x(share), y, 4.0, data_tip=(
+            f"{name}\none-at-a-time share {digits.percent(share)}")))
+    return group(*parts)
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of one height with names at the left and one scale below."""
+
+    x: Scale
+    band: float
+    count: int
+
+    @classmethod
+    def of(cls, names: Sequence[str], numbers: Sequence[float], band: float, count: int) -> _Rows:
+        """Rows whose scale holds zero and all the numbers."""
+        low, high = min([0.0, *numbers]), max([0.0, *numbers])
+        room = 0.04 * (high - low) or 1.0
+        return cls(Scale(low - room * (low < 0.0), high + room, label_room(names, 110.0),
+                         WIDTH - 14.0), band, count)
+
+    @property
+    def floor(self) -> float:
+        return TOP + self.band * self.count
+
+    def top(self, place: int) -> float:
+        return TOP + self.band * place
+
+    def name(self, place: int, words: str) -> Markup:
+        left = self.x.start
+        return text(left - 8, self.top(place) + self.band / 2 + 4, shortened(words, left - 8),
+                    "name", "end")
+
+    def frame(self, label: str) -> Markup:
+        marks = [line(self.x(v), TOP, self.x(v), self.floor, "grid") for v in self.x.ticks()]
+        marks += [text(self.x(v), self.floor + 14, words, "tick", "middle")
+                  for v, words in zip(self.x.ticks(), self.x.tick_words(), strict=True)]
+        zero = line(self.x(0.0), TOP - 4, self.x(0.0), self.floor, "axis")
+        return group(*marks, zero, text((self.x.start + self.x.end) / 2, self.floor + 31, label,
+                                        "label", "middle"))
+
+    def threshold(self, value: float | None) -> Markup:
+        if value is None or not self.x.low <= value <= self.x.high:
+            return group()
+        return line(self.x(value), TOP - 4, self.x(value), self.floor, "threshold")

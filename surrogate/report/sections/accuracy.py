@@ -53,7 +53,7 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
              if any(np.isfinite(row.get(key, np.nan)) for row in rows.values())]
     lines = []
     for name, row in rows.items():
-        line = [Cell(f"{name} (best)" if name == best else name,
+        line = [Cell(f"{name} (best)" if name == best and len(rows) > 1 else name,
                      tone="strong" if name == best else "")]
         for key in shown:
             value = row.get(key, np.nan)

@@ -22,7 +22,7 @@ from surrogate.report.figures.points import mark_of, points_plot
 from surrogate.report.parity import rows_learnt
 
 #: Defining words that are written out.
-LISTED_WORDS = 15
+LISTED_WORDS = 7
 ROMAN = {3: "III", 4: "IV", 5: "V", 6: "VI", 7: "VII", 8: "VIII"}
 SHAPES = {"filled": "filled disc", "hollow": "open disc", "square": "square",
           "diamond": "diamond"}
@@ -86,7 +86,8 @@ def _aliases(design: str, aliasing: Aliasing) -> list:
                   "as one number. Interactions of three and more parameters are left out.",
                   (Head("effect", numeric=False), Head("estimated together with", numeric=False)),
                   chains)
-    words = list(map(_effect, aliasing.defining_words[:LISTED_WORDS]))
+    words = [word.replace("-", digits.MINUS, word.startswith("-"))
+             for word in aliasing.defining_words[:LISTED_WORDS]]
     more = len(aliasing.defining_words) - len(words)
     pattern = ", ".join(str(count) for count in aliasing.word_length_pattern)
     told = Text(f"Defining relation: I = {' = '.join(words)}{f' = ({more} more)' if more else ''}. "

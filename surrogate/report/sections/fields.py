@@ -108,4 +108,4 @@ def _worst(scores: np.ndarray) -> str:
     if known.size == 0:
         return ""
     poor = digits.percent(float((known < 0.9).mean()))
-    return f" Lowest {digits.fixed(known.min(), 2)}; {poor} of the points are below 0.9."
+    return f" Lowest {digits.fixed(known.min(), 3)}; {poor} of the points are below 0.9."

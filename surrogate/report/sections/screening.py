@@ -1,16 +1,135 @@
-"""Which parameters matter enough to keep."""
+"""Which parameters go on varying, which may rest, and what that costs."""
 
 from __future__ import annotations
 
-from surrogate.report.blocks import Section, Text
+import numpy as np
+
+from surrogate.report import digits
+from surrogate.report.blocks import (
+    Cell,
+    Figure,
+    Figures,
+    Fold,
+    Head,
+    Listing,
+    Section,
+    Table,
+    Text,
+    heads,
+)
 from surrogate.report.content import Content
+from surrogate.report.figures.sobol import share_plot
+from surrogate.sensitivity.frozen import VarianceKept
+from surrogate.sensitivity.screening import Screening, Verdict
 
-
-def blocks(content: Content, output: str) -> list:
-    """Nothing yet."""
-    return []
+REDUCED = "study_reduced.yaml"
 
 
 def section(content: Content) -> Section:
-    """Placeholder sentence until the decision is drawn."""
-    return Section("screening", "Screening", (Text("No screening was asked for.", "note"),))
+    """The decision, its cost, the older rule beside it, the reduced study file."""
+    decision = content.screening
+    title = "Screening"
+    if decision is None:
+        return Section("screening", title, (Text("No screening was asked for.", "note"),))
+    blocks = [Text(decision.refused, "warning")] if decision.refused else []
+    blocks += [Text(sentence(decision), "lead"), _verdicts(content, decision)]
+    if decision.freeze:
+        blocks.append(_cost(decision))
+    blocks += [Figures((_shares(decision),)), Text(_old_rule(decision))]
+    if content.reduced_study:
+        blocks += [Text(f"The study without the frozen parameters is {REDUCED} beside this page:"),
+                   Fold(REDUCED, (Listing(content.reduced_study),))]
+    return Section("screening", title, tuple(blocks))
+
+
+def sentence(decision: Screening) -> str:
+    """The decision in one sentence."""
+    if decision.refused:
+        return "Nothing is frozen, because the indices are not to be trusted."
+    rule = (f"its total index is surely below {digits.plain(decision.freeze_below)} "
+            f"({digits.percent(decision.confidence)} intervals)")
+    if not decision.freeze:
+        return f"Nothing is frozen: of no parameter can it be said that {rule}."
+    return (f"Keep {digits.listing(decision.keep) or 'nothing'}; freeze "
+            f"{digits.listing(decision.freeze)}. A parameter is frozen when {rule}.")
+
+
+def _verdicts(content: Content, decision: Screening) -> Table:
+    titles = ("parameter", "decision", "total index (largest, upper end)", "worst case",
+              "one-at-a-time share", "93 % rule", "why")
+    titles = tuple(f"{digits.percent(decision.threshold)} rule" if word == "93 % rule" else word
+                   for word in titles)
+    rows = tuple(_row(content, verdict) for verdict in decision.verdicts)
+    several = f" over {digits.listing(decision.outputs)}" if len(decision.outputs) > 1 else ""
+    return Table(f"The decision on each parameter. Numbers are the largest{several}; worst case: "
+                 "the largest total index the solver itself can have, should all that the "
+                 "surrogate misses belong to this parameter.",
+                 tuple(Head(title, numeric=k in (2, 3, 4)) for k, title in enumerate(titles)),
+                 rows)
+
+
+def _row(content: Content, verdict: Verdict) -> tuple[Cell, ...]:
+    total = f"{digits.fixed(verdict.total, 3)}, below {digits.fixed(verdict.high, 3)}"
+    return (Cell(verdict.parameter), Cell(_decision(content, verdict),
+                                          tone="" if verdict.frozen else "strong"),
+            Cell(total, verdict.total), Cell(digits.figure(verdict.worst_case, 2)),
+            Cell(digits.percent(verdict.one_at_a_time)),
+            Cell("keeps" if verdict.kept_by_old_rule else "drops"), Cell(_reason(verdict)))
+
+
+def _reason(verdict: Verdict) -> str:
+    """The verdict's sentence without the parameter's name, which stands at the row's head."""
+    words = verdict.sentence.removeprefix(f"{verdict.parameter}: ")
+    return words[:1].upper() + words[1:]
+
+
+def _decision(content: Content, verdict: Verdict) -> str:
+    if not verdict.frozen:
+        return "keep"
+    if isinstance(verdict.value, str):
+        return f"freeze at {verdict.value}"
+    unit = content.unit(verdict.parameter)
+    return f"freeze at {digits.with_unit(digits.plain(verdict.value, 4), unit)}"
+
+
+def _cost(decision: Screening) -> Table:
+    rows = tuple((Cell(kept.output), Cell(share_kept(kept)),
+                  Cell(digits.percent(kept.frozen_error))) for kept in decision.variance_kept)
+    return Table("What freezing costs: the share of the variance that the kept parameters explain "
+                 "together, and the mean square error of the reduced model as a share of the "
+                 "variance.", heads("output", "variance kept (interval)",
+                                    "missed by the reduced model"), rows)
+
+
+def share_kept(kept: VarianceKept) -> str:
+    """`98.1 % (97.5 to 98.6)`."""
+    whole = digits.with_interval(*(100.0 * end for end in (kept.share, kept.low, kept.high)))
+    value, _, ends = whole.partition(" (")
+    return f"{value}{digits.THIN}%" + (f" ({ends}" if ends else "")
+
+
+def _shares(decision: Screening) -> Figure:
+    total = {part: np.array([getattr(verdict, name) for verdict in decision.verdicts])
+             for part, name in (("value", "total"), ("high", "high"))}
+    total["low"] = total["value"]
+    plot = share_plot([verdict.parameter for verdict in decision.verdicts],
+                      [verdict.one_at_a_time for verdict in decision.verdicts], total,
+                      decision.freeze_below)
+    return Figure(plot, "Square: share of the effects when one parameter moves at a time. Disc: "
+                        "total index, with the upper half of its interval. Dashed: the limit below "
+                        "which the upper end must lie to freeze.")
+
+
+def _old_rule(decision: Screening) -> str:
+    old, new = set(decision.kept_by_old_rule), set(decision.keep)
+    rule = (f"The older rule keeps the largest one-at-a-time shares until they explain more than "
+            f"{digits.percent(decision.threshold)}: "
+            f"{digits.listing(decision.kept_by_old_rule) or 'nothing'}.")
+    if decision.refused:
+        return f"{rule} It decides nothing here."
+    apart = [name for name in (*decision.keep, *decision.freeze) if (name in old) != (name in new)]
+    if not apart:
+        return f"{rule} Here it agrees."
+    return (f"{rule} It decides otherwise on {digits.listing(apart)}: moved one at a time, "
+            "parameters show nothing of their interactions, and a share says nothing of how sure "
+            "it is.")

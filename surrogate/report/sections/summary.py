@@ -7,9 +7,11 @@ import numpy as np
 from surrogate.report import digits
 from surrogate.report.blocks import Fact, Facts, Points, Section, Text
 from surrogate.report.content import POOR_Q2, Content
+from surrogate.report.sections import screening
 from surrogate.report.sections.accuracy import margin
 from surrogate.report.sections.designs import roman
 from surrogate.report.sections.indices import index, of_output, refusal
+from surrogate.sensitivity.screening import Screening
 
 
 def section(content: Content) -> Section:
@@ -36,6 +38,8 @@ def _facts(content: Content) -> list[Fact]:
             facts.append(_best(content, output, suffix))
         if of_output(content, output) is not None:
             facts.append(_matters(content, output, suffix))
+    if content.screening is not None:
+        facts.append(_frozen(content.screening))
     return facts
 
 
@@ -95,6 +99,19 @@ def _matters(content: Content, output: str, suffix: str) -> Fact:
                 f"Total indices, largest first: {'; '.join(words)}.")
 
 
+def _frozen(decision: Screening) -> Fact:
+    title = "What may be frozen"
+    if decision.refused:
+        return Fact(title, "not answered", screening.sentence(decision))
+    kept = [f"{screening.share_kept(kept)} of the variance"
+            + (f" of {kept.output}" if len(decision.variance_kept) > 1 else "")
+            for kept in decision.variance_kept]
+    if not decision.freeze:
+        return Fact(title, "nothing", screening.sentence(decision))
+    return Fact(title, digits.listing(decision.freeze),
+                f"The others keep {digits.listing(kept)}.")
+
+
 def warnings(content: Content) -> list[str]:
     """What a reader must know before using a figure, a sentence each."""
     said = []
@@ -102,12 +119,14 @@ def warnings(content: Content) -> list[str]:
     if failed:
         of = digits.quantity(len(content.ok), "run")
         said.append(f"{failed} of {of} failed and are missing from the fits; see Runs.")
+    missing = int(content.missing.sum())
+    if missing:
+        said.append(f"{digits.quantity(missing, 'run')} of the designs "
+                    f"{'is' if missing == 1 else 'are'} not made yet.")
+    said += content.not_done
     for output in content.outputs:
-        said += _poor(content, output)
-        said += _saturated(content, output)
-        refused = refusal(content, output)
-        if refused:
-            said.append(f"Sensitivity of {output}: {refused}")
+        said += [*_poor(content, output), *_saturated(content, output)]
+        said += [words] if (words := refusal(content, output)) else []
     for design, aliasing in content.aliasing.items():
         if aliasing.resolution == 3:
             said.append(f"Design {design} has resolution {roman(3)}: its main effects cannot be "

@@ -14,6 +14,7 @@ from surrogate.designs.aliasing import aliasing
 from surrogate.distributions import distribution, uniform
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.report import Content
+from surrogate.sensitivity.screening import decide
 from surrogate.space import Parameter, Space
 
 BANDAGE = (("mu_skin", 0.1, 0.3, ""), ("tension", 0.059, 0.137, "N/mm"),
@@ -105,7 +106,8 @@ def sensitivity_dataset(space: Space, outputs, refused: str = "") -> xr.Dataset:
                       f"{name}_high": (dims, np.minimum(value + half, 1.0)),
                       f"{name}_sampling": (dims, sampling),
                       f"{name}_surrogate": (dims, surrogate)}
-    variables["refused"] = ("output", [refused] * count)
+    variables |= {"total_worst": (("output", "parameter"), np.minimum(1.0, total + 0.1)),
+                  "q2": ("output", [0.98] * count), "refused": ("output", [refused] * count)}
     return xr.Dataset(variables, coords={"output": list(outputs), "parameter": list(space.names),
                                          "parameter_2": list(space.names)},
                       attrs={"surrogate": "quadratic", "method": "sobol", "confidence": 0.95,
@@ -140,7 +142,7 @@ def _figures(fit, coded, values) -> dict[str, float]:
 
 def make(space: Space | None = None, *, train=60, test=20, outputs=("pressure_b1",),
          surrogates=("linear", "interactions", "quadratic"), failed=None, sensitivity=True,
-         name="made_up", refused="") -> Content:
+         name="made_up", refused="", screened=False) -> Content:
     """A whole study: train is a number of random points, or the points themselves."""
     space = space or bandage_space()
     generator = np.random.default_rng(5)
@@ -154,7 +156,16 @@ def make(space: Space | None = None, *, train=60, test=20, outputs=("pressure_b1
              "pressure_line": (lambda x: pressure_map(x)[:, :, 0], ("height",), "mmHg")}
     runs = runs_dataset(space, designs, {key: kinds[key] for key in outputs}, failed or {})
     content = Content(name=name, about="How hard does the bandage press?", space=space, runs=runs)
-    return _with_results(content, surrogates, outputs, sensitivity, refused)
+    content = _with_results(content, surrogates, outputs, sensitivity, refused)
+    return _screened(content) if screened else content
+
+
+def _screened(content: Content) -> Content:
+    """With the decision that the made-up indices lead to."""
+    best = {output: content.fits_of(output)[content.best(output)] for output in content.outputs}
+    decision = decide(content.sensitivity, 0.05, fits=best, space=content.space, samples=256,
+                      draws=10, seed=1)
+    return replace(content, screening=decision, reduced_study="study: made_up_reduced\n")
 
 
 def _with_results(content: Content, surrogates, outputs, sensitivity, refused) -> Content:
