@@ -15,7 +15,7 @@ import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -23,7 +23,7 @@ from typing import Any
 
 from surrogate.errors import StudyError, SurrogateError
 from surrogate.identity import Recipe, calls, keys
-from surrogate.journal import Journal, Record
+from surrogate.journal import Journal, Record, read
 from surrogate.pool import TICK, Event, Pool, Task
 from surrogate.solver import Output
 from surrogate.workers import Built, Outcome
@@ -38,6 +38,7 @@ class Progress:
     done          of these, finished now or before, failed ones included
     failed        of these, without an answer (failed or timed out)
     seconds_left  estimate from the runs of this time, None before the first
+    last          the run that just ended
     """
 
     total: int
@@ -45,13 +46,14 @@ class Progress:
     done: int = 0
     failed: int = 0
     seconds_left: float | None = None
+    last: Record | None = None
 
 
 def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
             constants: Mapping[str, Any] | None = None, outputs: Iterable[str] | None = None,
             workers: int | None = None, threads: int | None = None,
             timeout: float | None = None, retries: int = 0, rerun: Iterable[str] = (),
-            executor: Executor | None = None,
+            others: Iterable[str | Path] = (), executor: Executor | None = None,
             progress: Callable[[Progress], None] | None = None) -> Progress:
     """Run the solver at each row of `columns` that the journal does not have; return the tally.
 
@@ -65,6 +67,7 @@ def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
                deterministic solver, `SolverError` included, is not asked for again
     rerun      statuses of earlier runs to do again: "failed", "timed_out". Runs that timed
                out under a shorter limit than today's are done again in any case
+    others     folders of other studies' journals; their good runs are copied, not repeated
     executor   any concurrent.futures executor. It cannot kill a run: one over time is given
                up and its place in the executor stays taken
     progress   called with a `Progress` at the start and after each run
@@ -78,10 +81,12 @@ def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
     asked = calls(recipe, columns, constants)
     runs = dict(zip(keys(recipe, asked), asked, strict=True))
     with Journal(journal) as book:
-        queue = deque(Task(key, call) for key, call in runs.items()
-                      if not _settled(book.records.get(key), wanted, timeout, rerun))
+        missing = [key for key in runs
+                   if not _settled(book.records.get(key), wanted, timeout, rerun)]
+        missing = _adopt(book, missing, wanted, others)
+        queue = deque(Task(key, runs[key]) for key in missing)
         tally = _Tally(Progress(len(runs)), progress or (lambda _: None))
-        tally.start([book.records[key] for key in runs.keys() - {task.key for task in queue}])
+        tally.start([book.records[key] for key in runs.keys() - set(missing)])
         if queue:
             workers = min(workers or cores(), len(queue))
             threads = threads or max(1, cores() // workers)
@@ -131,6 +136,21 @@ def _settled(record: Record | None, wanted: Iterable[str], timeout: float | None
     return record.status not in rerun
 
 
+def _adopt(book: Journal, missing: list[str], wanted: Iterable[str],
+           others: Iterable[str | Path]) -> list[str]:
+    """Copy good runs from other journals; return the keys that none of them has."""
+    for folder in others:
+        if not missing:
+            break
+        contents = read(folder)
+        found = {key for key in missing
+                 if key in contents.records and contents.records[key].holds(wanted)}
+        for key in found:
+            book.adopt(contents.records[key], contents)
+        missing = [key for key in missing if key not in found]
+    return missing
+
+
 def _record(source: Iterator[Event], queue: deque[Task], book: Journal, tally: _Tally,
             recipe: Recipe, timeout: float | None, retries: int, workers: int) -> None:
     """Write what comes from `source` into the journal; put failed runs back while they may."""
@@ -148,8 +168,17 @@ def _record(source: Iterator[Event], queue: deque[Task], book: Journal, tally: _
             continue
         record = Record(task.key, task.call, outcome.status, outcome.message, outcome.seconds,
                         task.attempts, time.time(), timeout, outcome.outputs, solver=described)
+        if recipe.deterministic:
+            record = _with_earlier(record, book.records.get(task.key))
         book.append(record, outcome.fields)
         tally.add(record, workers)
+
+
+def _with_earlier(record: Record, earlier: Record | None) -> Record:
+    """The record, with outputs that the same run was asked for at another time."""
+    if earlier is None or record.status != "ok":
+        return record
+    return replace(record, outputs={**earlier.outputs, **record.outputs}, fields=earlier.fields)
 
 
 class _Tally:
@@ -169,7 +198,7 @@ class _Tally:
         done = self.now.done + 1
         left = (self.now.total - done) * self.seconds / self.runs / workers
         self.now = Progress(self.now.total, self.now.reused, done,
-                            self.now.failed + (record.status != "ok"), left)
+                            self.now.failed + (record.status != "ok"), left, record)
         self.listener(self.now)
 
 
@@ -213,21 +242,29 @@ def _elsewhere(executor: Executor, recipe: Recipe, wanted: Mapping[str, Output],
                                          wanted)
                 going[future] = task, None
                 future.add_done_callback(finished.put)
-            with suppress(Empty):
+            try:
                 future = finished.get(timeout=TICK)
+            except Empty:
+                _check_places(going, lost, timeout)
+            else:
                 if future in going:
                     yield going.pop(future)[0], _outcome(future)
             yield from _give_up_overdue(going, lost, timeout)
-            if sum(not future.done() for future in lost) >= places:
-                raise SurrogateError(f"all {places} places of the executor are taken by runs over "
-                                     f"the time limit of {timeout:g} s; the runs finished so far "
-                                     "are kept. Local workers (no executor) can stop such runs")
             yield None
         for future in [future for future in going if future.done()]:
             yield going.pop(future)[0], _outcome(future)
     finally:
         for future in going:
             future.cancel()
+
+
+def _check_places(going: Iterable[Future], lost: list[Future], timeout: float | None) -> None:
+    """Stop when runs wait for places that runs over time do not leave."""
+    stuck = sum(not future.done() for future in lost)
+    if going and stuck and not any(future.running() for future in going):
+        raise SurrogateError(f"all {stuck} places of the executor are taken by runs over the time "
+                             f"limit of {timeout:g} s; the runs finished so far are kept. Local "
+                             "workers (no executor) can stop such runs")
 
 
 def _outcome(future: Future) -> Outcome:

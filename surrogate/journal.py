@@ -20,7 +20,7 @@ import time
 import zlib
 from collections.abc import Mapping
 from contextlib import nullcontext, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -189,13 +189,13 @@ class Journal:
             _give_back(self.folder / LOCK, self._lock)
 
     def append(self, record: Record, fields: Mapping[str, np.ndarray] | None = None) -> None:
-        """Add a finished run, its arrays first.
+        """Add a finished run, its arrays first; places that the record states stay valid.
 
         Raises `ResultsError` when the disk takes no more; what was there before stays whole.
         """
         try:
             places = {name: self._write_field(array) for name, array in (fields or {}).items()}
-            whole = {**vars(record), "fields": places}
+            whole = {**vars(record), "fields": {**record.fields, **places}}
             self._records.write(json.dumps(whole, allow_nan=False).encode() + b"\n")
         except OSError as error:
             raise _trouble(self.folder, error) from error
@@ -203,6 +203,11 @@ class Journal:
         if self._unsynced_since is None:
             self._unsynced_since = time.monotonic()
         self.sync()
+
+    def adopt(self, record: Record, other: Contents) -> None:
+        """Add a run that another journal holds, with its arrays."""
+        fields = {name: other.values(record, name) for name in record.fields}
+        self.append(replace(record, fields={}), fields)
 
     def _write_field(self, array: np.ndarray) -> dict[str, Any]:
         data = np.asarray(array, dtype="<f8").tobytes()

@@ -179,7 +179,9 @@ class Pool:
             raise PluginError(f"solver {self.recipe.name} cannot be built in a worker process: "
                               f"{message}")
         if message is None:
-            worker.ready, worker.busy, self._false_starts = True, False, 0
+            if not worker.ready:
+                self._false_starts = 0
+            worker.ready, worker.busy = True, False
             queue.extendleft(reversed(worker.tasks))
             worker.tasks.clear()
             return True, None
@@ -202,14 +204,22 @@ class Pool:
         yield from self._drain(worker, queue)
         self._team.remove(worker)
         worker.process.join(TICK)
-        worker.kill()
         reason = f"the worker {_cause(worker.process.exitcode)}{worker.last_words()}"
+        worker.kill()
         if not worker.ready:
-            self._false_starts += 1
-            if self._false_starts >= FALSE_STARTS:
-                raise PluginError(f"solver {self.recipe.name} cannot be built in a worker "
-                                  f"process: {reason}")
+            self._count_false_start(reason)
         yield from self._lose_run(worker, queue, "failed", reason)
+
+    def _count_false_start(self, reason: str) -> None:
+        """Go on with fewer workers where some work (memory for no more), else give up."""
+        self._false_starts += 1
+        if self._false_starts < FALSE_STARTS:
+            return
+        working = sum(worker.ready for worker in self._team)
+        if not working:
+            raise PluginError(f"solver {self.recipe.name} cannot be built in a worker process: "
+                              f"{reason}")
+        self.workers, self._false_starts = working, 0
 
     def _end_overdue(self, queue: deque[Task]) -> Iterator[Event]:
         if self.timeout is None:
@@ -249,7 +259,9 @@ class Pool:
 
 
 def _cause(exitcode: int | None) -> str:
-    if exitcode is None or exitcode >= 0:
+    if exitcode is None:
+        return "closed its connection"
+    if exitcode >= 0:
         return f"ended by itself with exit code {exitcode}"
     with suppress(ValueError):
         name = signal.Signals(-exitcode).name
