@@ -52,4 +52,5 @@ def _of_parameter(j: int, parameter) -> list[Column]:
 
 def expand(coded: np.ndarray, of: tuple[Column, ...]) -> np.ndarray:
     """Numeric columns (n, c) of coded points (n, d)."""
+    coded = np.asarray(coded, dtype=float)
     return np.column_stack([column.values(coded[:, column.parameter]) for column in of])

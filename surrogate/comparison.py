@@ -1,0 +1,185 @@
+"""Surrogates side by side: accuracy on common folds and on held-out runs, and cost.
+
+The best surrogate of an output has the largest cross-validated Q2; the test design
+judges it and takes no part in the choice (unless no surrogate can be cross-validated).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from itertools import product
+
+import numpy as np
+import xarray as xr
+from scipy import stats
+
+from surrogate.fitting import Fit, q2, rmse
+
+Fits = Mapping[str, Mapping[str, Fit]]
+Runs = tuple[np.ndarray, np.ndarray]
+
+#: Confidence levels at which intervals are checked on the test design.
+LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)
+#: Predictions are timed on this many points.
+TIMED = 1000
+#: A margin counts as clear when the paired test's p is below this.
+SIGNIFICANT = 0.05
+
+COLUMNS = {
+    "q2_cv": "Q2 of left-out predictions", "rmse_cv": "RMSE of left-out predictions",
+    "q2_test": "Q2 on the test design", "rmse_test": "RMSE on the test design",
+    "max_error_test": "largest absolute error on the test design",
+    "coverage_95": "share of test values inside their 95 % intervals",
+    "fit_seconds": "time of the fit in s",
+    "predict_seconds": f"time of predicting {TIMED} points in s"}
+
+
+def compare(fits: Fits, test: Mapping[str, Runs] | None = None) -> xr.Dataset:
+    """The table that sets surrogates side by side.
+
+    fits  surrogate -> output -> Fit; a missing one is a row of NaN
+    test  output -> (coded (m, d), values (m, ...)) of runs that no fit has seen, or None
+
+    Returns a dataset over (`surrogate`, `output`) with the variables of `COLUMNS`,
+    `coverage` over `level` besides (calibration), and for each output `best`,
+    `runner_up`, `margin` (difference of their q2_cv), `margin_p` (see `paired_test`),
+    `margin_clear` and `sentence`. The attribute `best` names the surrogate with the
+    largest q2_cv, counted from 0, on average over the outputs.
+    """
+    surrogates = list(fits)
+    outputs = list(dict.fromkeys(output for each in fits.values() for output in each))
+    shape = (len(surrogates), len(outputs))
+    columns = {name: np.full(shape, np.nan) for name in COLUMNS}
+    coverage = np.full((*shape, len(LEVELS)), np.nan)
+    for (i, name), (j, output) in product(enumerate(surrogates), enumerate(outputs)):
+        if (fit := fits[name].get(output)) is None:
+            continue
+        row, coverage[i, j] = _row(fit, (test or {}).get(output))
+        for key, value in row.items():
+            columns[key][i, j] = value
+    verdicts = [_verdict(fits, output, columns["q2_cv"][:, j], columns["q2_test"][:, j])
+                for j, output in enumerate(outputs)]
+    return _dataset(surrogates, outputs, columns, coverage, verdicts)
+
+
+def best(table: xr.Dataset) -> dict[str, str]:
+    """The best surrogate of each output."""
+    return {str(output): str(name) for output, name in
+            zip(table["output"].values, table["best"].values, strict=True)}
+
+
+def _row(fit: Fit, test: Runs | None) -> tuple[dict[str, float], np.ndarray]:
+    """Columns of one surrogate and output, and coverage at each level."""
+    row = {"q2_cv": fit.q2, "rmse_cv": fit.rmse, "fit_seconds": fit.seconds,
+           "predict_seconds": _predict_seconds(fit)}
+    if test is None or not len(test[1]):
+        return row, np.full(len(LEVELS), np.nan)
+    coded, values = test
+    predicted = fit.predict(coded)
+    covered = np.array([_coverage(fit, coded, values, level) for level in LEVELS])
+    row |= {"q2_test": q2(values, predicted), "rmse_test": rmse(values, predicted),
+            "max_error_test": np.abs(values - predicted).max(),
+            "coverage_95": covered[LEVELS.index(0.95)]}
+    return row, covered
+
+
+def _predict_seconds(fit: Fit) -> float:
+    points = fit.space.sample(TIMED, seed=0)
+    start = time.perf_counter()
+    fit.predict(points)
+    return time.perf_counter() - start
+
+
+def _coverage(fit: Fit, coded, values, level: float) -> float:
+    """Share of values inside their intervals; NaN where there are no intervals."""
+    low, high = fit.interval(coded, level)
+    known = np.isfinite(low) & np.isfinite(high)
+    # Rounding of a value that is met exactly must not count as a miss.
+    slack = 1e-12 * np.abs(values).max()
+    inside = (values >= low - slack) & (values <= high + slack)
+    return float(inside[known].mean()) if known.any() else np.nan
+
+
+def paired_test(first: Fit, second: Fit) -> float:
+    """Two-sided p of equal squared error, from the two fits' errors on the same folds.
+
+    Corrected resampled t-test (Nadeau and Bengio 2003, equation 15): with d_k the
+    difference of mean squared errors on fold k of K, t = mean(d) / sqrt((1 / K + r) var(d)),
+    K - 1 degrees of freedom, r = size of a fold / size of the rest. NaN when the fits
+    learnt from different runs or some run cannot be left out.
+    """
+    if not np.array_equal(first.coded, second.coded) or not np.array_equal(first.folds,
+                                                                           second.folds):
+        return np.nan
+    a, b = (_squared_errors(fit) for fit in (first, second))
+    numbers, counts = np.unique(first.folds, return_counts=True)
+    d = np.array([(a - b)[first.folds == number].mean() for number in numbers])
+    ratio = counts.mean() / (len(a) - counts.mean())
+    variance = (1.0 / len(d) + ratio) * d.var(ddof=1)
+    if not np.isfinite(variance) or variance == 0.0:
+        return np.nan
+    return float(2.0 * stats.t.sf(abs(d.mean()) / np.sqrt(variance), len(d) - 1))
+
+
+def _squared_errors(fit: Fit) -> np.ndarray:
+    """(n,) squared left-out errors, averaged over a field's places."""
+    errors = (fit.values - fit.left_out) ** 2
+    return errors.reshape(len(errors), -1).mean(axis=1)
+
+
+def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) -> dict:
+    """Best and second best surrogate of one output, the margin and what to make of it."""
+    names = [name for name in fits if output in fits[name]]
+    order = {name: k for k, name in enumerate(fits)}
+    scores = q2_cv if np.isfinite(q2_cv).any() else q2_test
+    ranked = sorted((name for name in names if np.isfinite(scores[order[name]])),
+                    key=lambda name: -scores[order[name]]) or names
+    verdict = {"best": ranked[0], "runner_up": "", "margin": np.nan, "margin_p": np.nan}
+    if len(ranked) > 1 and np.isfinite(scores[order[ranked[1]]]):
+        verdict["runner_up"] = ranked[1]
+        verdict["margin"] = float(scores[order[ranked[0]]] - scores[order[ranked[1]]])
+        verdict["margin_p"] = paired_test(*(fits[name][output] for name in ranked[:2]))
+    verdict["margin_clear"] = bool(verdict["margin_p"] < SIGNIFICANT)
+    how = ("cross-validated Q2" if scores is q2_cv else
+           "Q2 on the test design, since no surrogate can be cross-validated,")
+    verdict["sentence"] = _sentence(output, verdict, float(scores[order[ranked[0]]]), how)
+    return verdict
+
+
+def _sentence(output: str, verdict: dict, score: float, how: str) -> str:
+    if not np.isfinite(score):
+        return (f"{output}: the surrogates cannot be told apart, for lack of runs to leave out "
+                "and of a test design.")
+    start = f"{output}: {verdict['best']} has the largest {how} ({score:.4g})"
+    if not verdict["runner_up"]:
+        return f"{start}; no other surrogate could be judged."
+    start += f", {verdict['margin']:.2g} above {verdict['runner_up']}"
+    if np.isnan(verdict["margin_p"]):
+        return f"{start}; whether that exceeds chance cannot be tested."
+    relation = "more" if verdict["margin_clear"] else "no more"
+    return f"{start}; that is {relation} than the scatter between folds (p = " \
+           f"{verdict['margin_p']:.2g})."
+
+
+def _dataset(surrogates, outputs, columns, coverage, verdicts) -> xr.Dataset:
+    dims = ("surrogate", "output")
+    variables = {name: (dims, columns[name], {"long_name": text})
+                 for name, text in COLUMNS.items()}
+    variables["coverage"] = ((*dims, "level"), coverage,
+                             {"long_name": "share of test values inside their intervals"})
+    for name in ("best", "runner_up", "sentence"):
+        variables[name] = ("output", np.array([v[name] for v in verdicts], dtype=str))
+    for name in ("margin", "margin_p"):
+        variables[name] = ("output", np.array([v[name] for v in verdicts]))
+    variables["margin_clear"] = ("output", np.array([v["margin_clear"] for v in verdicts]))
+    coords = {"surrogate": surrogates, "output": outputs, "level": list(LEVELS)}
+    return xr.Dataset(variables, coords, {"best": _overall(surrogates, columns, verdicts)})
+
+
+def _overall(surrogates: list[str], columns: dict, verdicts: list[dict]) -> str:
+    """Largest q2_cv from 0 up, averaged over outputs; the first output's best without any."""
+    scores = np.nan_to_num(np.clip(columns["q2_cv"], 0.0, 1.0))
+    if not np.isfinite(columns["q2_cv"]).any() or len(verdicts) == 1:
+        return verdicts[0]["best"] if verdicts else ""
+    return surrogates[int(scores.mean(axis=1).argmax())]
