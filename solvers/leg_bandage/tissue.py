@@ -27,6 +27,8 @@ class Tissue:
     c10     MPa, one number or one an element; the shear modulus is 2 c10
     kappa   bulk modulus, MPa
     n_dofs  length of the whole vector of unknowns (default: this mesh alone)
+
+    `pressure` (n_elements,) is the independent unknown p in MPa, negative in compression.
     """
 
     def __init__(self, mesh: MeshHex, c10, kappa: float, n_dofs: int | None = None):
@@ -79,13 +81,13 @@ class Tissue:
         target = self.kappa * ((self._volume_at + change) / self.volumes - 1)
         self.pressure = self.pressure + step * (target - self.pressure)
 
-    def state(self) -> np.ndarray:
-        """The pressures, (n_elements,), MPa (compression is negative)."""
-        return self.pressure.copy()
+    def state(self) -> tuple[np.ndarray, ...]:
+        """The pressures (n_elements,), MPa, and what the next `advance` starts from."""
+        return self.pressure, self._volume_at, self._volume_gradient
 
-    def restore(self, state: np.ndarray) -> None:
+    def restore(self, state: tuple[np.ndarray, ...]) -> None:
         """Put back what `state` returned."""
-        self.pressure = state.copy()
+        self.pressure, self._volume_at, self._volume_gradient = state
 
     def energy(self, u: np.ndarray) -> float:
         """Stored energy, N mm, with the volume change by element means of J."""
