@@ -249,9 +249,9 @@ def select(runs: xr.Dataset, *, designs: Iterable[str] | None = None,
 def training(runs: xr.Dataset, output: str,
              designs: Iterable[str] = ("train",)) -> tuple[np.ndarray, np.ndarray]:
     """Coded points (n, parameter) and values (n, ...) of `output` in the good runs of `designs`."""
-    if output not in runs or output in RESERVED_NAMES or "run" not in runs[output].dims:
-        known = [name for name in runs if name not in RESERVED_NAMES
-                 and name not in runs["parameter"].values]
+    known = [name for name in runs if name not in RESERVED_NAMES
+             and name not in runs["parameter"].values]
+    if output not in known:
         raise ResultsError(f"there is no output '{output}'; {nearest(output, known)}")
     good = select(runs, designs=designs, statuses=["ok"])
     return good["coded"].values, good[output].values
