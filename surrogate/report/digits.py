@@ -69,7 +69,7 @@ def with_half(value, half) -> str:
     """`11.54 ± 0.12`: two significant digits of the half-width decide the decimals."""
     if not _finite(value) or not _finite(half) or half <= 0.0:
         return figure(value)
-    if _awkward(value):
+    if _awkward(max(abs(value), half)):
         return f"{figure(value)} ± {figure(half, 2)}"
     decimals = _interval_decimals(half)
     return f"{fixed(value, decimals)} ± {fixed(half, decimals)}"
@@ -79,7 +79,7 @@ def with_interval(value, low, high) -> str:
     """`0.709 (0.690 to 0.731)`; the value alone when there is no interval."""
     if not (_finite(value) and _finite(low) and _finite(high)):
         return figure(value)
-    if _awkward(value):
+    if _awkward(max(abs(value), abs(low), abs(high))):
         return f"{figure(value)} ({figure(low)} to {figure(high)})"
     decimals = _interval_decimals((high - low) / 2.0, fallback=decimals_of([value]))
     return f"{fixed(value, decimals)} ({fixed(low, decimals)} to {fixed(high, decimals)})"
@@ -148,9 +148,11 @@ def quantity(count: int, one: str, many: str = "") -> str:
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
-def listing(words) -> str:
-    """`a`, `a and b`, `a, b and c`."""
+def listing(words, most: int = 0) -> str:
+    """`a`, `a and b`, `a, b and c`; with `most`, so many words and how many more there are."""
     words = [str(word) for word in words]
+    if most and len(words) > most + 1:
+        words = [*words[:most], f"{len(words) - most} more"]
     return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 

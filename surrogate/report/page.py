@@ -12,6 +12,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from surrogate.report import digits
 from surrogate.report.blocks import Section, anchor
 from surrogate.report.content import Content
 from surrogate.report.sections import (
@@ -70,7 +71,8 @@ def _sections(content: Content) -> Iterator[Section]:
     for output in content.outputs:
         blocks = [*accuracy.blocks(content, output), *fields.blocks(content, output),
                   *effects.blocks(content, output), *indices.blocks(content, output)]
-        yield Section(anchor("output", output), f"Output {output}", tuple(blocks))
+        title = f"Output {digits.labelled(output, content.unit(output))}"
+        yield Section(anchor("output", output), title, tuple(blocks))
     yield screening.section(content)
     yield provenance.section(content)
 

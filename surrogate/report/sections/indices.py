@@ -127,8 +127,8 @@ def _parts_caption(table: xr.Dataset, total: dict) -> str:
 
 def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Table:
     order = np.argsort(-np.nan_to_num(total["value"], nan=-1.0), kind="stable")
-    titles = ["parameter", "first order (interval)", "± sampling", "± surrogate",
-              "total (interval)", "± sampling", "± surrogate"]
+    titles = ["parameter", "first order (interval)", "±\u00a0sampling", "±\u00a0surrogate",
+              "total (interval)", "±\u00a0sampling", "±\u00a0surrogate"]
     rows = [[Cell(names[k]), *_numbers(first, k), *_numbers(total, k)] for k in order]
     caption = ("First-order and total indices with their intervals, and the half-widths of the "
                "two parts of each interval.")

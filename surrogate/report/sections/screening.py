@@ -22,6 +22,8 @@ from surrogate.report.figures.sobol import share_plot
 from surrogate.sensitivity.frozen import VarianceKept
 from surrogate.sensitivity.screening import Screening, Verdict
 
+#: Names written out in a sentence; the table has them all.
+MOST = 8
 REDUCED = "study_reduced.yaml"
 
 
@@ -50,8 +52,8 @@ def sentence(decision: Screening) -> str:
             f"({digits.percent(decision.confidence)} intervals)")
     if not decision.freeze:
         return f"Nothing is frozen: of no parameter can it be said that {rule}."
-    return (f"Keep {digits.listing(decision.keep) or 'nothing'}; freeze "
-            f"{digits.listing(decision.freeze)}. A parameter is frozen when {rule}.")
+    return (f"Keep {digits.listing(decision.keep, MOST) or 'nothing'}; freeze "
+            f"{digits.listing(decision.freeze, MOST)}. A parameter is frozen when {rule}.")
 
 
 def _verdicts(content: Content, decision: Screening) -> Table:
@@ -87,9 +89,9 @@ def _decision(content: Content, verdict: Verdict) -> str:
     if not verdict.frozen:
         return "keep"
     if isinstance(verdict.value, str):
-        return f"freeze at {verdict.value}"
+        return f"freeze at\u00a0{verdict.value}"
     unit = content.unit(verdict.parameter)
-    return f"freeze at {digits.with_unit(digits.plain(verdict.value, 4), unit)}"
+    return f"freeze at\u00a0{digits.with_unit(digits.plain(verdict.value, 4), unit)}"
 
 
 def _cost(decision: Screening) -> Table:
@@ -124,12 +126,12 @@ def _old_rule(decision: Screening) -> str:
     old, new = set(decision.kept_by_old_rule), set(decision.keep)
     rule = (f"The older rule keeps the largest one-at-a-time shares until they explain more than "
             f"{digits.percent(decision.threshold)}: "
-            f"{digits.listing(decision.kept_by_old_rule) or 'nothing'}.")
+            f"{digits.listing(decision.kept_by_old_rule, MOST) or 'nothing'}.")
     if decision.refused:
         return f"{rule} It decides nothing here."
     apart = [name for name in (*decision.keep, *decision.freeze) if (name in old) != (name in new)]
     if not apart:
         return f"{rule} Here it agrees."
-    return (f"{rule} It decides otherwise on {digits.listing(apart)}: moved one at a time, "
+    return (f"{rule} It decides otherwise on {digits.listing(apart, MOST)}: moved one at a time, "
             "parameters show nothing of their interactions, and a share says nothing of how sure "
             "it is.")

@@ -13,6 +13,11 @@ from surrogate.report.sections.designs import roman
 from surrogate.report.sections.indices import index, of_output, refusal
 from surrogate.sensitivity.screening import Screening
 
+#: Names written out in a sentence.
+MOST = 8
+#: Share of held-out runs inside their 95 % intervals below which the intervals are too narrow.
+POOR_COVERAGE = 0.8
+
 
 def section(content: Content) -> Section:
     """The question, an answer for each output, the decision, the warnings."""
@@ -51,7 +56,7 @@ def _asked(content: Content) -> Fact:
     failed = int(content.failed.sum())
     runs = digits.quantity(len(content.ok), "run") + (f", {failed} failed" if failed else "")
     return Fact("What was asked", f"{outputs} over {many}",
-                f"{digits.listing(content.space.names)}{of}; {runs}.")
+                f"{digits.listing(content.space.names, MOST)}{of}; {runs}.")
 
 
 def _best(content: Content, output: str, suffix: str) -> Fact:
@@ -108,8 +113,11 @@ def _frozen(decision: Screening) -> Fact:
             for kept in decision.variance_kept]
     if not decision.freeze:
         return Fact(title, "nothing", screening.sentence(decision))
-    return Fact(title, digits.listing(decision.freeze),
-                f"The others keep {digits.listing(kept)}.")
+    few = len(decision.freeze) <= MOST // 2
+    of = f"{len(decision.freeze)} of {digits.quantity(len(decision.verdicts), 'parameter')}"
+    names = "" if few else f"{digits.listing(decision.freeze, MOST)}. "
+    return Fact(title, digits.listing(decision.freeze) if few else of,
+                f"{names}The others keep {digits.listing(kept)}.")
 
 
 def warnings(content: Content) -> list[str]:
@@ -138,11 +146,15 @@ def _poor(content: Content, output: str) -> list[str]:
     best = content.best(output)
     if best is None:
         return [f"No surrogate of {output} could be fitted."]
-    q2 = content.q2(best, output)
+    said, q2 = [], content.q2(best, output)
     if np.isfinite(q2) and q2 < POOR_Q2:
-        return [f"The best surrogate of {output}, {best}, has Q² {digits.fixed(q2, 2)} on runs "
-                f"it has not seen, below {POOR_Q2:g}: its predictions are rough."]
-    return []
+        said.append(f"The best surrogate of {output}, {best}, has Q² {digits.fixed(q2, 2)} on "
+                    f"runs it has not seen, below {POOR_Q2:g}: its predictions are rough.")
+    coverage = content.row(best, output).get("coverage_95", np.nan)
+    if coverage < POOR_COVERAGE:
+        said.append(f"Its 95{digits.THIN}% intervals hold only {digits.percent(coverage)} of the "
+                    f"held-out values of {output}: they are too narrow.")
+    return said
 
 
 def _saturated(content: Content, output: str) -> list[str]:
