@@ -13,8 +13,8 @@ Neither part alone is honest: on repeated Latin hypercubes of the borehole and p
 functions r alone covers 50 to 97 % and m alone 50 to 90 % of the true indices, both
 together 97 to 99 % (`benchmarks/sensitivity.py surrogate`). Kinds of draws:
 
-posterior draws  estimators that offer `posterior_draws(size, seed)`, such as Gaussian
-                 processes (Le Gratiet, Cannamela and Iooss 2014, doi 10.1137/130926869)
+posterior draws  Gaussian processes: `posterior.draws`, or scikit-learn's `sample_y`
+                 (Le Gratiet, Cannamela and Iooss 2014, doi 10.1137/130926869)
 least squares    refits to prediction + s* e, e standard normal and s*^2 = SSE / chi^2(nu):
                  coefficients then follow their Student t distribution exactly (Gelman et
                  al., Bayesian Data Analysis, section 14.2), and a selection of terms is
@@ -25,14 +25,25 @@ pairs bootstrap  refits to runs drawn with replacement (Storlie, Swiler, Helton 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from sklearn.base import clone
 
 from surrogate.errors import FitError
+from surrogate.regressors.gaussian_process import GaussianProcess
+from surrogate.sensitivity import posterior
 from surrogate.sensitivity.model import Model
+from surrogate.sensitivity.pick_freeze import Groups, mixed_points, product_moments, ratios
+from surrogate.space import Space
+
+Indices = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+#: Pairs of points on which indices of drawn surrogates are set side by side.
+SAMPLES = 512
+#: The same where the draws' covariance at all points must be factored.
+JOINT_SAMPLES = 64
 
 #: Draws that fail (a resample that supports no fit) are tried again so often.
 PATIENCE = 5
@@ -51,11 +62,65 @@ class Spread:
     how: str
 
 
-def surrogates(one: Model, size: int, seed) -> tuple[Iterator, str]:
-    """`size` equally plausible estimators, and in words how they were drawn."""
+@dataclass(frozen=True)
+class Measure:
+    """Indices of any surrogate on points that are the same for all, or in closed form.
+
+    groups  of inputs, as in `pick_freeze`; None for each input alone
+    closed  True to use the estimator's own `sobol_indices()`
+    """
+
+    space: Space
+    groups: Groups | None = None
+    closed: bool = False
+    seed: int | None = 0
+
+    def of(self, estimator) -> Indices:
+        """first_order, total, second_order of one estimator."""
+        if self.closed:
+            return closed_form(estimator)
+        return ratios(product_moments(estimator.predict, self.space, groups=self.groups,
+                                      samples=SAMPLES, scramblings=1, seed=self.seed)[0])
+
+    def of_functions(self, functions, pairs: int) -> list[Indices]:
+        """The same for each column of functions(coded) (run, count)."""
+        points = mixed_points(self.space, self.groups, pairs, self.seed)
+        values = functions(np.concatenate(points)).reshape(len(points), pairs, -1)
+        values = values - values.mean(axis=(0, 1))
+        return [ratios(columns @ columns.T / pairs) for columns in np.moveaxis(values, 2, 0)]
+
+
+def closed_form(estimator) -> Indices:
+    """first_order, total, second_order (NaN on its diagonal) of an estimator that knows them."""
+    indices = estimator.sobol_indices()
+    second = np.array(indices.second_order, dtype=float)
+    np.fill_diagonal(second, np.nan)
+    return np.asarray(indices.first_order), np.asarray(indices.total), second
+
+
+def _posterior(one: Model, measure: Measure, size: int, seed) -> list[Indices] | None:
+    """Indices of each posterior draw less those of the mean on the same points, or None."""
+    if isinstance(one.estimator, GaussianProcess):
+        functions, pairs = posterior.draws(one.estimator, size, seed=seed), SAMPLES
+    elif hasattr(one.estimator, "sample_y"):
+        def functions(coded):
+            return one.estimator.sample_y(coded, size, random_state=one_seed(seed))
+        pairs = JOINT_SAMPLES
+    else:
+        return None
+    mean = measure.of_functions(lambda coded: one.estimator.predict(coded)[:, None], pairs)[0]
+    return [tuple(drawn - centre for drawn, centre in zip(indices, mean, strict=True))
+            for indices in measure.of_functions(functions, pairs)]
+
+
+def one_seed(seed) -> int:
+    """A seed of 32 bits, for libraries that know no generators."""
+    return int(np.random.default_rng(seed).integers(2**31))
+
+
+def _refits(one: Model, size: int, seed) -> tuple[Iterator, str]:
+    """Refitted estimators, and in words how they were drawn."""
     generator = np.random.default_rng(seed)
-    if hasattr(one.estimator, "posterior_draws"):
-        return iter(one.estimator.posterior_draws(size, seed=generator)), "posterior draws"
     if not hasattr(one.estimator, "regression_table"):
         return _pairs(one, size, generator), "pairs bootstrap"
     freedom = one.estimator.interval_freedom
@@ -86,33 +151,36 @@ def _pairs(one: Model, size: int, generator) -> Iterator:
                 continue
 
 
-def spread(one: Model, indices: Callable[..., tuple], *, draws: int, confidence: float,
-           seed=None) -> list[Spread]:
-    """Surrogate part of the interval of each array in the tuple `indices(estimator)`.
+def spread(one: Model, measure: Measure, *, draws: int, confidence: float,
+           seed=0) -> tuple[Spread, Spread, Spread]:
+    """Surrogate part of the intervals of first-order, total and second-order indices.
 
-    `indices` must use the same points for every estimator, so that no sampling error
-    enters. A plain function has no surrogate part: zeros. Without draws only the missed
-    variance counts. Values are shares, in [0, 1].
+    Draws are measured on the same points, so that no sampling error enters. A plain
+    function has no surrogate part: zeros. Without draws only the missed variance counts.
     """
+    fitted = measure.of(one.estimator or one)
     if one.estimator is None:
-        return [Spread(np.zeros_like(part), np.zeros_like(part), "none: a plain function")
-                for part in indices(one)]
-    fitted = indices(one.estimator)
-    radii, how = _radii(one, fitted, indices, draws, confidence, seed)
+        return tuple(Spread(np.zeros_like(part), np.zeros_like(part), "none: a plain function")
+                     for part in fitted)
+    radii, how = _radii(one, measure, fitted, draws, confidence, seed)
     missed = np.nan if one.q2 is None else np.clip(1.0 - one.q2, 0.0, 1.0)
     how = f"{how}; missed variance {missed:.3g}"
-    return [Spread(np.hypot(radius, missed * part), np.hypot(radius, missed * (1.0 - part)), how)
-            for part, radius in zip(fitted, radii, strict=True)]
+    return tuple(Spread(np.hypot(radius, missed * part), np.hypot(radius, missed * (1.0 - part)),
+                        how) for part, radius in zip(fitted, radii, strict=True))
 
 
-def _radii(one: Model, fitted: tuple, indices, draws: int, confidence: float, seed):
+def _radii(one: Model, measure: Measure, fitted: Indices, draws: int, confidence: float, seed):
     """Quantiles of |index of a draw - index of the fitted one|, and how they were drawn."""
     if draws == 0:
         return [np.zeros_like(part) for part in fitted], "no draws"
-    estimators, how = surrogates(one, draws, seed)
-    sets = [indices(estimator) for estimator in estimators]
-    if len(sets) < max(2, draws // 2):
+    moves, how = _posterior(one, measure, draws, seed), "posterior draws"
+    if moves is None:
+        estimators, how = _refits(one, draws, seed)
+        moves = [tuple(drawn - centre for drawn, centre in zip(measure.of(estimator), fitted,
+                                                               strict=True))
+                 for estimator in estimators]
+    if len(moves) < max(2, draws // 2):
         how = how if how.startswith("unknown") else f"unknown: {how} failed on these runs"
         return [np.full_like(part, np.nan) for part in fitted], how
-    return [np.quantile(np.abs(np.stack(parts) - centre), confidence, axis=0)
-            for parts, centre in zip(zip(*sets, strict=True), fitted, strict=True)], how
+    return [np.quantile(np.abs(np.stack(parts)), confidence, axis=0)
+            for parts in zip(*moves, strict=True)], how

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surrogate.sensitivity.draws import spread
+from surrogate.sensitivity.draws import Measure, spread
 from surrogate.sensitivity.model import Model
 from surrogate.sensitivity.pick_freeze import (
     block_size,
     per_scrambling,
     pick_freeze,
-    product_moments,
-    ratios,
     unit_blocks,
 )
 
@@ -44,23 +42,14 @@ def variance_kept(one: Model, frozen: list[int], at: np.ndarray, *, samples: int
         return VarianceKept(one.output, 1.0, 1.0, 1.0, 0.0)
     sampled = pick_freeze(one.predict, one.space, groups=[frozen], samples=samples,
                           scramblings=scramblings, confidence=confidence, seed=seed)
-    surrogate = spread(one, _group_total(one, frozen, seed), draws=draws,
-                       confidence=confidence, seed=seed)[0]
+    surrogate = spread(one, Measure(one.space, groups=[frozen], seed=seed), draws=draws,
+                       confidence=confidence, seed=seed)[1]
     total, half = sampled.total[0], sampled.half["total"][0]
     low = 1.0 - (total + np.hypot(half, surrogate.above[0]))
     high = 1.0 - (total - np.hypot(half, surrogate.below[0]))
     ends = np.clip(np.nan_to_num([low, high], nan=[0.0, 1.0]), 0.0, 1.0)
     return VarianceKept(one.output, float(np.clip(1.0 - total, 0.0, 1.0)), *map(float, ends),
                         frozen_error(one, frozen, at, samples=samples, seed=seed))
-
-
-def _group_total(one: Model, frozen: list[int], seed):
-    """Total index of the group for any estimator, on points common to all."""
-    def indices(estimator) -> tuple:
-        moments = product_moments(estimator.predict, one.space, groups=[frozen], samples=512,
-                                  scramblings=1, seed=seed)
-        return (ratios(moments[0])[1],)
-    return indices
 
 
 def frozen_error(one: Model, frozen: list[int], at: np.ndarray, *, samples: int,

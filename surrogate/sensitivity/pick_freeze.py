@@ -119,6 +119,14 @@ def unit_blocks(dimensions: int, runs: int, block: int, generator) -> Iterator[n
         yield np.clip(sequence.random(block), 1e-12, 1.0 - 1e-12)
 
 
+def mixed_points(space: Space, groups: Groups | None, runs: int, seed) -> list[np.ndarray]:
+    """The k = 2 d + 2 sets of coded points (runs, parameter), for `runs` a power of two."""
+    groups = [[i] for i in range(space.size)] if groups is None else groups
+    u = next(unit_blocks(2 * space.size, runs, runs, np.random.default_rng(seed)))
+    A, B = space.quantile(u[:, :space.size]), space.quantile(u[:, space.size:])
+    return list(_mixtures(A, B, groups))
+
+
 def block_size(width: int, runs: int) -> int:
     """Points at once, a power of two, when each gives `width` numbers; at most `runs`."""
     return int(np.clip(2 ** int(np.log2(max(BLOCK // width, 1))), 1, runs))

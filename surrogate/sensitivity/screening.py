@@ -156,7 +156,7 @@ def _verdict(evidence: xr.Dataset, space: Space, at: np.ndarray, freeze_below: f
     """Decide on one parameter; evidence has dimension output."""
     name = str(evidence["parameter"].item())
     high = evidence["total_high"]
-    worst = str(high["output"].values[int(high.argmax())])
+    worst = str(high["output"].values[np.argmax(high.values)])
     frozen = not refused and bool((high < freeze_below).all())
     j = space.names.index(name)
     sentence = _sentence(evidence.sel(output=worst), quantity(space[name], at[j]), freeze_below,

@@ -5,28 +5,26 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from surrogate.sensitivity.draws import Spread, spread
+from surrogate.sensitivity.draws import Measure, Spread, closed_form, spread
 from surrogate.sensitivity.model import Model, model, require_independent
-from surrogate.sensitivity.pick_freeze import pick_freeze, product_moments, ratios
+from surrogate.sensitivity.pick_freeze import pick_freeze
 from surrogate.sensitivity.table import Q2_NEEDED, Estimate, dataset
 from surrogate.space import Space
 
 #: Names of the indices, in the order in which tuples of them are passed about.
 INDICES = ("first_order", "total", "second_order")
 SHARE = (0.0, 1.0)
-#: Pairs of points on which sampled indices of drawn surrogates are set side by side.
-SPREAD_SAMPLES = 512
 
 
 def sobol(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**14,
-          scramblings: int = 16, draws: int = 100, closed_form: bool = True,
+          scramblings: int = 16, draws: int = 100, exact: bool = True,
           q2: float | None = None, q2_needed: float = Q2_NEEDED) -> xr.Dataset:
     """First-order, total and second-order Sobol' indices of one output.
 
     fit          a `Fit`, or a function of coded points (then there is no surrogate part)
     samples      pairs of points, when there is no closed form; see `pick_freeze`
     draws        how many equally plausible surrogates show the surrogate's part; 0 for none
-    closed_form  False to sample even where the estimator knows `sobol_indices()`
+    exact        False to sample even where the estimator knows `sobol_indices()`
     q2           the surrogate's Q2 when known better than by the fit
     q2_needed    below this the dataset carries a refusal
 
@@ -37,11 +35,11 @@ def sobol(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int =
     """
     require_independent(space, "sobol")
     one = model(fit, space, q2=q2)
-    exact = closed_form and hasattr(one.estimator, "sobol_indices")
+    exact = exact and hasattr(one.estimator, "sobol_indices")
     options = {"samples": samples, "scramblings": scramblings, "seed": seed}
     values, half = _closed(one) if exact else _sampled(one, confidence, options)
-    indices = closed_form_indices if exact else _common_points(space, seed)
-    spreads = spread(one, indices, draws=draws, confidence=confidence, seed=seed)
+    spreads = spread(one, Measure(space, closed=exact, seed=seed), draws=draws,
+                     confidence=confidence, seed=seed)
     variables = {}
     for k, name in enumerate(INDICES):
         dims = ("parameter", "parameter_2")[: values[k].ndim]
@@ -58,30 +56,14 @@ def _estimate(value, half, surrogate: Spread) -> Estimate:
 
 def _closed(one: Model) -> tuple[tuple, tuple]:
     """Indices in closed form, with no sampling error."""
-    values = closed_form_indices(one.estimator)
+    values = closed_form(one.estimator)
     return values, tuple(np.zeros_like(value) for value in values)
-
-
-def closed_form_indices(estimator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """first_order, total, second_order (NaN on its diagonal) of an estimator that knows them."""
-    indices = estimator.sobol_indices()
-    second = np.array(indices.second_order, dtype=float)
-    np.fill_diagonal(second, np.nan)
-    return np.asarray(indices.first_order), np.asarray(indices.total), second
 
 
 def _sampled(one: Model, confidence: float, options: dict) -> tuple[tuple, tuple]:
     sampled = pick_freeze(one.predict, one.space, confidence=confidence, **options)
     values = tuple(getattr(sampled, name) for name in INDICES)
     return values, tuple(sampled.half[name] for name in INDICES)
-
-
-def _common_points(space: Space, seed):
-    """Indices of an estimator on a small sample that is the same for all of them."""
-    def indices(estimator) -> tuple:
-        return ratios(product_moments(estimator.predict, space, samples=SPREAD_SAMPLES,
-                                      scramblings=1, seed=seed)[0])
-    return indices
 
 
 def worst_case(total: np.ndarray, q2: float | None) -> np.ndarray:
