@@ -12,6 +12,18 @@
     study.report(runs, fits, table, indices).save("report.html")
 """
 
-from importlib.metadata import version
+from typing import Any
 
-__version__ = version("surrogate-studies")
+__all__ = ["Study", "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    # On demand (PEP 562): solvers in worker processes import surrogate.solver and need none
+    # of the packages that Study brings.
+    if name == "Study":
+        from surrogate.study import Study
+        return Study
+    if name == "__version__":
+        from importlib.metadata import version
+        return version("surrogate-studies")
+    raise AttributeError(f"module 'surrogate' has no attribute '{name}'")

@@ -6,6 +6,7 @@ Exit status: 0 done; 1 ran, but something failed; 2 the input is wrong; 130 inte
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -13,26 +14,31 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from surrogate import __version__, pages, plugins, results, starting, studyfile
+from surrogate import __version__, results, starting, studyfile, terminal
 from surrogate.errors import DesignError, PluginError, StudyError, SurrogateError
 from surrogate.progress import RunsBar
 from surrogate.study import Study
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False,
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True,
                   context_settings={"help_option_names": ["-h", "--help"]},
                   help="From an expensive simulation to a cheap model that can be trusted.")
 
-StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="the study file")]
-Results = Annotated[Path | None, typer.Option("--results", metavar="DIR",
-                    help="where results/<study> goes; default: the current folder")]
-AsJson = Annotated[bool, typer.Option("--json", help="print JSON for scripts")]
-SurrogateName = Annotated[str | None, typer.Option("--surrogate", metavar="S",
-                          help="which surrogate; default: the best one")]
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="The study file.")]
+Results = Annotated[Path | None, typer.Option(
+    "--results", metavar="DIR", help="Results go to DIR/<study>; default: results/<study>.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for scripts.")]
+
+
+@app.callback(invoke_without_command=True)
+def _whole(version: Annotated[bool, typer.Option("--version", help="Show it.")] = False) -> None:
+    if version:
+        print(__version__)
+        raise typer.Exit()
 
 
 @app.command()
-def new(name: Annotated[str, typer.Argument(metavar="NAME")]) -> None:
-    """Write NAME.yaml, a commented study to start from."""
+def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Of the new study.")]) -> None:
+    """Write NAME.yaml: a commented study to start from."""
     path = starting.write(name)
     print(f"{path} is written; next: surrogate check {path}")
 
@@ -40,53 +46,57 @@ def new(name: Annotated[str, typer.Argument(metavar="NAME")]) -> None:
 @app.command()
 def check(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
     """Read a study; show parameters, designs, aliasing, run count and time. Runs nothing."""
-    _show(pages.check(Study.from_yaml(study), _folder(results_dir)), as_json)
+    loaded = Study.from_yaml(study)
+    _show(terminal.check(loaded, results.folder_of(loaded, results_dir)), as_json)
 
 
 @app.command()
 def run(study: StudyFile, results_dir: Results = None, as_json: AsJson = False,
-        workers: Annotated[int | None, typer.Option(min=1, help="processes")] = None,
-        retry: Annotated[bool, typer.Option("--retry-failed", help="do failed runs again")] = False,
-        ) -> None:
-    """Go the whole way to the report; does only what is missing. Ctrl-C is safe."""
+        workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
+        retry_failed: Annotated[bool, typer.Option(
+            "--retry-failed", help="Do failed and timed-out runs again.")] = False) -> None:
+    """Go the whole way to the report, doing only what is missing. Ctrl-C is safe."""
     loaded = Study.from_yaml(study)
     with RunsBar(loaded.name) as bar:
         outcome = results.complete(loaded, results.folder_of(loaded, results_dir),
-                                   workers=workers, retry_failed=retry, progress=bar)
-    _show(pages.outcome(outcome), as_json)
-    if outcome.trouble:
-        print(outcome.trouble, file=sys.stderr)
-        raise typer.Exit(1)
+                                   workers=workers, retry_failed=retry_failed, progress=bar)
+    _finish(loaded, outcome, as_json)
 
 
 @app.command()
 def status(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
-    """How many runs are done, failed and left, and the time left."""
-    _show(pages.status(Study.from_yaml(study), _folder(results_dir)), as_json)
+    """Say how many runs are done, failed and left, and the time left."""
+    loaded = Study.from_yaml(study)
+    _show(terminal.status(loaded, results.folder_of(loaded, results_dir)), as_json)
 
 
 @app.command()
-def report(study: StudyFile, results_dir: Results = None) -> None:
-    """Rebuild the report from the stored runs; runs nothing."""
+def report(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
+    """Rebuild the report from the stored runs. Runs nothing."""
     loaded = Study.from_yaml(study)
-    outcome = results.analyse(loaded, results.folder_of(loaded, results_dir))
-    print(f"report: {outcome.report}")
+    outcome = results.analyse(loaded, results.folder_of(loaded, results_dir), again=True)
+    _finish(loaded, outcome, as_json)
 
 
-@app.command(context_settings={"allow_extra_args": True})
-def predict(context: typer.Context, study: StudyFile, results_dir: Results = None,
-            surrogate: SurrogateName = None, as_json: AsJson = False,
-            points: Annotated[Path | None, typer.Option(help="CSV of points")] = None) -> None:
-    """Predict at `name=value ...` (or --points FILE.csv), with intervals; no solver run."""
+@app.command()
+def predict(study: StudyFile,
+            at: Annotated[list[str] | None, typer.Argument(
+                metavar="[NAME=VALUE]...", help="A value for each parameter.")] = None,
+            points: Annotated[Path | None, typer.Option(
+                metavar="CSV", help="Points; the header names the parameters.")] = None,
+            surrogate: Annotated[str | None, typer.Option(
+                metavar="S", help="Which surrogate; default: the best.")] = None,
+            results_dir: Results = None, as_json: AsJson = False) -> None:
+    """Predict outputs at new points, with intervals. Runs nothing."""
     loaded = Study.from_yaml(study)
-    _show(pages.predict(loaded, results.folder_of(loaded, results_dir), surrogate,
-                        context.args, points), as_json)
+    _show(terminal.predict(loaded, results.folder_of(loaded, results_dir), surrogate,
+                           at or [], points), as_json)
 
 
 @app.command("list")
 def list_plugins(as_json: AsJson = False) -> None:
-    """Solvers, designs, regressors and sensitivity methods, with one line each."""
-    _show(pages.plugins(), as_json)
+    """List solvers, designs, regressors and sensitivity methods, one line each."""
+    _show(terminal.plugins_page(), as_json)
 
 
 @app.command()
@@ -95,8 +105,35 @@ def schema() -> None:
     print(json.dumps(studyfile.json_schema(), indent=2))
 
 
-@app.callback(invoke_without_command=True)
-def _version(version: Annotated[bool, typer.Option("--version", help="show it")] = False) -> None:
-    if version:
-        print(__version__)
-        raise typer.Exit()
+def _finish(study: Study, outcome: results.Outcome, as_json: bool) -> None:
+    _show(terminal.outcome(study, outcome), as_json)
+    if outcome.trouble:
+        print(outcome.trouble, file=sys.stderr)
+        raise typer.Exit(1)
+
+
+def _show(page: terminal.Page, as_json: bool) -> None:
+    if as_json:
+        print(json.dumps(page.data, indent=1, default=str))
+    else:
+        page.show(Console())
+
+
+def main() -> None:
+    """Run the command; people's mistakes end in sentences, never in a traceback."""
+    try:
+        app()
+    except (StudyError, DesignError, PluginError) as error:
+        _stop(error, 2)
+    except SurrogateError as error:
+        _stop(error, 1)
+    except KeyboardInterrupt as stop:
+        _stop(stop if stop.args else "interrupted", 130)
+    except BrokenPipeError:  # the reader of a pipe, such as head, has gone
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+
+
+def _stop(why: object, status: int) -> None:
+    print(why, file=sys.stderr)
+    sys.exit(status)

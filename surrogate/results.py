@@ -26,10 +26,9 @@ import numpy as np
 import xarray as xr
 
 from surrogate import runs as rundata
-from surrogate.errors import FitError, ResultsError, StudyError
+from surrogate.errors import FitError, ResultsError
 from surrogate.execution import Progress
 from surrogate.reduction import reduced_text
-from surrogate.sensitivity.screening import Screening
 from surrogate.study import Fits, Study
 
 REPORT, SUMMARY, RUNS = "report.html", "summary.json", "runs.nc"
@@ -77,17 +76,19 @@ def complete(study: Study, folder: Path, *, workers: int | None = None,
     return analyse(study, folder, runs)
 
 
-def analyse(study: Study, folder: Path, runs: xr.Dataset | None = None) -> Outcome:
+def analyse(study: Study, folder: Path, runs: xr.Dataset | None = None, *,
+            again: bool = False) -> Outcome:
     """Everything that follows from the runs: fits, tables, indices, decision, report.
 
-    runs: default, what the journal holds. Raises `ResultsError` when nothing was run.
+    runs: default, what the journal holds. Nothing is done when all files are up to date,
+    unless `again`. Raises `ResultsError` when nothing was run.
     """
     runs = study.stored(folder) if runs is None else runs
     if (runs["status"] == "missing").all():
         raise ResultsError(f"{folder} holds no runs of this study; do `surrogate run` first")
     stamp = _stamp(study, runs)
     known = _read_summary(folder)
-    if known.get("stamp") == stamp and (folder / REPORT).exists():
+    if not again and known.get("stamp") == stamp and (folder / REPORT).exists():
         return Outcome(folder, known, _trouble(runs, known["not_done"]), fresh=False)
     return _write(study, folder, runs, stamp)
 
@@ -110,12 +111,13 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
     if reduced:
         write_text(folder / "study_reduced.yaml", reduced)
     study.report(runs, fits, table, indices, screening=screening,
-                 reduced=reduced).save(folder / REPORT)
+                 reduced=reduced, not_done=not_done).save(folder / REPORT)
     summary = {"study": study.name, "stamp": stamp, "runs": rundata.counts(runs),
                "comparison": _figures(table), "sensitivity": _figures(indices),
                "regression": {name: {output: _figures(one) for output, one in by.items()}
                               for name, by in regressions.items()},
-               "screening": _screening_figures(screening), "not_done": not_done}
+               "screening": _plain(screening.summary()) if screening else None,
+               "not_done": not_done}
     write_text(folder / SUMMARY, json.dumps(summary, indent=1, allow_nan=False))
     return Outcome(folder, summary, _trouble(runs, not_done))
 

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-import yaml
 
+from surrogate import comparison as comparing
 from surrogate import fitting, reading, studyfile
 from surrogate import runs as rundata
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
 from surrogate.errors import FitError, StudyError
-from surrogate.execution import Progress, execute
+from surrogate.execution import Progress, cores, execute
 from surrogate.fitting import Fit
 from surrogate.identity import Recipe
 from surrogate.journal import read as read_journal
+from surrogate.plugins import parameters_of
 from surrogate.reading import Reading, SensitivityMethod, Surrogate
+from surrogate.report import Content, Page, build
 from surrogate.sensitivity.screening import Screening, decide
-from surrogate.source import Source, read_file, read_text
+from surrogate.sensitivity.table import combine
+from surrogate.source import Source, read_file, read_text, write_yaml
 from surrogate.space import Space
 from surrogate.studyfile import ExecutionPart, ScreeningPart
 
@@ -76,13 +79,21 @@ class Study:
         return Path("results") / self.name
 
     @property
+    def workers(self) -> int:
+        """Processes that run the solver."""
+        return self.execution.workers or cores()
+
+    def with_surrogates(self, names: Iterable[str]) -> Study:
+        """The same study with only these surrogates."""
+        return replace(self, surrogates={name: self.surrogates[name] for name in names})
+
+    @property
     def text(self) -> str:
         """The study as written, or as YAML when it came as Python data."""
         if self.source.text:
             return self.source.text
-        plain = {**self.source.data, "solver": {"name": self.recipe.name,
-                                                "options": dict(self.recipe.plain_options)}}
-        return yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
+        return write_yaml({**self.source.data, "solver": {
+            "name": self.recipe.name, "options": self.recipe.plain_options}})
 
     @property
     def aliases(self) -> dict[str, Aliasing]:
@@ -144,6 +155,73 @@ class Study:
                                surrogate=name, output=output)
         except FitError as error:
             return error
+
+    def compare(self, fits: Fits, runs: xr.Dataset) -> xr.Dataset | None:
+        """All surrogates side by side, on common folds and on the test design if there is one."""
+        if not any(fits.values()):
+            return None
+        test = {output: rundata.training(runs, output, ("test",)) for output in self.outputs} \
+            if "test" in self.designs else None
+        return comparing.compare(fits, test)
+
+    def best(self, table: xr.Dataset | None) -> dict[str, str]:
+        """Best surrogate of each output, by the comparison."""
+        return {} if table is None else comparing.best(table)
+
+    def regressions(self, fits: Fits) -> dict[str, dict[str, xr.Dataset]]:
+        """Regression tables: surrogate -> output -> dataset, for polynomials of scalars."""
+        tables = {name: {output: fit.estimator.regression_table()
+                         for output, fit in by_output.items()
+                         if hasattr(fit.estimator, "regression_table")}
+                  for name, by_output in fits.items()}
+        return {name: by_output for name, by_output in tables.items() if by_output}
+
+    def sensitivity(self, fits: Fits, runs: xr.Dataset,
+                    table: xr.Dataset | None = None) -> xr.Dataset | None:
+        """Indices of every output, read from the study's surrogate for sensitivity.
+
+        table: the comparison, when it is at hand. Q2 is that of the test design where
+        there is one.
+        """
+        method = self.sensitivity_method
+        table = self.compare(fits, runs) if table is None else table
+        if method is None or table is None:
+            return None
+        return combine([
+            method.function(fit, self.space, confidence=method.confidence,
+                            **{**self._given(method, table, fit), **method.options})
+            for fit in self._analysed(fits, table).values()])
+
+    def _analysed(self, fits: Fits, table: xr.Dataset) -> dict[str, Fit]:
+        """The fit of each output that sensitivity reads."""
+        wanted = self.sensitivity_method.surrogate
+        names = self.best(table) if wanted == "best" else dict.fromkeys(fits[wanted], wanted)
+        return {output: fits[name][output] for output, name in names.items()}
+
+    def _given(self, method: SensitivityMethod, table: xr.Dataset, fit: Fit) -> dict[str, Any]:
+        """What a sensitivity method is told besides its options, if it asks for it."""
+        row = table.sel(surrogate=fit.surrogate, output=fit.output)
+        q2 = float(row["q2_test"] if np.isfinite(row["q2_test"]) else row["q2_cv"])
+        taken = parameters_of(method.function)
+        return {name: value for name, value in (("seed", 0), ("q2", q2)) if name in taken}
+
+    def screening(self, fits: Fits, runs: xr.Dataset, table: xr.Dataset | None,
+                  indices: xr.Dataset | None) -> Screening | None:
+        """Which parameters to keep; None when the study does not ask or nothing could be read."""
+        if self.screening_rule is None or indices is None:
+            return None
+        return decide(indices, self.screening_rule.freeze_below, space=self.space,
+                      fits=self._analysed(fits, table), seed=0)
+
+    def report(self, runs: xr.Dataset, fits: Fits, table: xr.Dataset | None = None,
+               indices: xr.Dataset | None = None, *, screening: Screening | None = None,
+               reduced: str = "", not_done: Sequence[str] = ()) -> Page:
+        """The report as one page; `page.save(path)` writes it."""
+        return build(Content(
+            name=self.name, about=self.about, space=self.space, runs=runs, fits=fits,
+            comparison=table, regression=self.regressions(fits), sensitivity=indices,
+            screening=screening, aliasing=self.aliases, reduced_study=reduced,
+            not_done=not_done))
 
 
 def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:

@@ -15,6 +15,7 @@ from rich.table import Table
 from surrogate import plugins, prediction
 from surrogate import runs as rundata
 from surrogate.progress import duration
+from surrogate.results import Outcome
 from surrogate.study import Study
 
 
@@ -70,7 +71,7 @@ def check(study: Study, results: Path) -> Page:
             "aliasing": {name: {"resolution": a.resolution,
                                 "word_length_pattern": a.word_length_pattern,
                                 "table": a.table} for name, a in aliases.items()},
-            "runs": counts, "seconds_left": _seconds_left(study, stored)}
+            "runs": counts, "seconds_left": rundata.seconds_left(stored, study.workers)}
     return Page(data, parts)
 
 
@@ -80,15 +81,11 @@ def _surrogate_line(study: Study) -> str:
     return f"surrogates: {', '.join(named) or 'none'}"
 
 
-def _seconds_left(study: Study, stored: xr.Dataset) -> float | None:
-    return rundata.seconds_left(stored, study.workers)
-
-
 def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int]) -> str:
     total, left = stored.sizes["run"], counts["missing"]
     if not left:
         return f"runs: all {total} are stored; nothing is left to run"
-    seconds = _seconds_left(study, stored)
+    seconds = rundata.seconds_left(stored, study.workers)
     time = "time unknown until the first run is done" if seconds is None else \
         f"about {duration(seconds)} with {study.workers} workers"
     return f"runs: {total}, of which {total - left} are stored; {left} to do: {time}"
@@ -111,7 +108,54 @@ def status(study: Study, results: Path) -> Page:
     if counts["missing"]:
         parts.append(_runs_line(study, stored, counts))
     return Page({"study": study.name, "runs": counts,
-                 "seconds_left": _seconds_left(study, stored)}, parts)
+                 "seconds_left": rundata.seconds_left(stored, study.workers)}, parts)
+
+
+def outcome(study: Study, done: Outcome) -> Page:
+    """The findings in a few lines, and where the report is."""
+    figures = done.summary
+    parts: list[Any] = []
+    for key, titles in (("comparison", _COMPARED), ("sensitivity", _INDICES)):
+        if figures[key]:
+            parts += [*_figure_tables(figures[key], titles), ""]
+    if figures["screening"]:
+        parts.append(_screening_line(figures["screening"]))
+    parts.append(f"report: {done.report}" + ("" if done.fresh else " (was up to date)"))
+    return Page({**figures, "report": str(done.report)}, parts)
+
+
+_COMPARED = {"q2_cv": "Q2 (left out)", "q2_test": "Q2 (test)", "rmse_test": "RMSE (test)",
+             "rmse_cv": "RMSE (left out)"}
+_INDICES = {"first_order": "first order", "total": "total", "total_low": "low",
+            "total_high": "high"}
+
+
+def _figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> list[Table]:
+    """A table per output of the variables in `titles`, by their first other dimension."""
+    rows_of = next(d for d in figures[next(t for t in titles if t in figures)]["dimensions"]
+                   if d != "output")
+    tables = []
+    for k, output in enumerate(figures["output"]["values"]):
+        rows = []
+        for j, name in enumerate(figures[rows_of]["values"]):
+            cells = [_cell(figures[title], k, j) for title in titles if title in figures]
+            rows.append((name, *cells))
+        tables.append(table(output, (rows_of, *(title for key, title in titles.items()
+                                                if key in figures)), rows))
+    return tables
+
+
+def _cell(figure: Mapping[str, Any], output: int, row: int) -> Any:
+    first, second = (output, row) if figure["dimensions"][0] == "output" else (row, output)
+    value = figure["values"][first][second]
+    return "-" if value is None else float(value)
+
+
+def _screening_line(screening: Mapping[str, Any]) -> str:
+    if screening["refused"]:
+        return f"screening: nothing is frozen. {screening['refused']}"
+    frozen = ", ".join(screening["freeze"]) or "nothing"
+    return f"screening: keep {', '.join(screening['keep']) or 'nothing'}; may be frozen: {frozen}"
 
 
 def predict(study: Study, results: Path, surrogate: str | None, words: Sequence[str],
