@@ -95,7 +95,8 @@ def test_a_plain_function_has_no_surrogate_part_and_no_stamp(textbook):
     assert float(indices["total_surrogate"].max()) == 0.0
     assert float(indices["total_sampling"].min()) > 0.0
     assert indices.attrs["refused"] == "" and np.isnan(indices["q2"].item())
-    assert (indices["total_low"] <= case.total).all() and (indices["total_high"] >= case.total).all()
+    assert (indices["total_low"] <= case.total).all()
+    assert (indices["total_high"] >= case.total).all()
 
 
 def test_poor_surrogate_is_stamped_with_its_q2_and_the_threshold(textbook):
