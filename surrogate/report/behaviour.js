@@ -28,8 +28,23 @@
     lit = [];
   }
 
+  // A finger is wider than a mark: take the nearest one within its reach.
+  function nearest(event, reach) {
+    const drawing = event.target.closest("svg");
+    let best = null;
+    let least = reach;
+    for (const mark of drawing ? drawing.querySelectorAll("[data-run],[data-tip]") : []) {
+      const box = mark.getBoundingClientRect();
+      const away = Math.hypot(box.x + box.width / 2 - event.clientX,
+        box.y + box.height / 2 - event.clientY);
+      if (away < least) [best, least] = [mark, away];
+    }
+    return best;
+  }
+
   function show(event) {
-    const mark = event.target.closest("[data-run],[data-tip]");
+    const mark = event.target.closest("[data-run],[data-tip]")
+      || (event.type === "pointerdown" ? nearest(event, 24) : null);
     hide();
     if (!mark) return;
     tip.textContent = words(mark);

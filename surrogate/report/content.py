@@ -147,19 +147,11 @@ class Content:
         return test if np.isfinite(test) else row.get("q2_cv", np.nan)
 
     def best(self, output: str) -> str | None:
-        """The surrogate that the comparison names best for this output."""
+        """The surrogate that the comparison names best for this output; or the first."""
         names = list(self.fits_of(output))
-        if self.comparison is not None:
-            named = _named_best(self.comparison, output)
+        table = self.comparison
+        if table is not None and output in table["output"].values.astype(str):
+            named = str(table["best"].sel(output=output).item())
             if named in names:
                 return named
-        scores = {name: self.q2(name, output) for name in names}
-        known = {name: score for name, score in scores.items() if np.isfinite(score)}
-        return max(known, key=known.get) if known else next(iter(names), None)
-
-
-def _named_best(comparison: xr.Dataset, output: str) -> str | None:
-    """Best surrogate from the variable `best(output)`, or from the attribute of that name."""
-    if "best" in comparison and output in comparison["output"].values.astype(str):
-        return str(comparison["best"].sel(output=output).item())
-    return comparison.attrs.get("best")
+        return next(iter(names), None)

@@ -49,7 +49,8 @@ def _marks(panel: Panel, data: Parity, x, y, unit: str) -> list[Markup]:
 
 
 def _tip(data: Parity, k: int, unit: str) -> str:
-    predicted = digits.with_half(data.predicted[k], data.half[k])
     decimals = digits.decimals_of(data.observed, 4)
+    predicted = digits.with_half(data.predicted[k], data.half[k]) \
+        if np.isfinite(data.half[k]) else digits.fixed(data.predicted[k], decimals)
     return (f"solver {digits.with_unit(digits.fixed(data.observed[k], decimals), unit)}\n"
             f"surrogate {digits.with_unit(predicted, unit)}")

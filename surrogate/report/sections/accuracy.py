@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from surrogate.report import digits
 from surrogate.report.blocks import Cell, Figure, Figures, Fold, Head, Heading, Table, Text, anchor
 from surrogate.report.content import POOR_Q2, Content
 from surrogate.report.figures.accuracy import accuracy_plot
+from surrogate.report.figures.calibration import calibration_plot
 from surrogate.report.figures.parity import parity_plot, residual_plot
-from surrogate.report.parity import Parity, parity
+from surrogate.report.parity import Parity, parity, rows_learnt
 
 
 def blocks(content: Content, output: str) -> list:
@@ -34,6 +37,7 @@ def _comparison(content: Content, output: str, names: list[str]) -> list:
             accuracy_plot(names, cv, test, output),
             "Q² of each surrogate: open disc by cross-validation, filled disc on the held-out "
             "runs. 1 is perfect, 0 is no better than the mean."))
+    figures += _calibration(content, output)
     sentence = margin(content, output)
     return [*([Text(sentence, "lead")] if sentence else []), _table(content, output, rows),
             *([Figures(tuple(figures))] if figures else [])]
@@ -48,7 +52,7 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
               "q2_test": "Q² held out", "rmse_test": digits.labelled("RMSE held out", unit),
               "max_error_test": digits.labelled("largest error held out", unit),
               "coverage_95": "coverage of 95 % intervals",
-              "fit_seconds": "fit time", "predict_seconds": "prediction time"}
+              "fit_seconds": "fit time", "predict_seconds": "time of 1000 predictions"}
     shown = [key for key in titles
              if any(np.isfinite(row.get(key, np.nan)) for row in rows.values())]
     lines = []
@@ -70,30 +74,35 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
 
 
 def margin(content: Content, output: str) -> str:
-    """Whether the best surrogate is really ahead of the second."""
-    best, table = content.best(output), content.comparison
-    if table is None or best is None or len(content.fits_of(output)) < 2:
+    """Whether the best surrogate is really ahead of the second; empty for a single one."""
+    table = content.comparison
+    if table is None or "sentence" not in table or len(content.fits_of(output)) < 2 \
+            or output not in table["output"].values.astype(str):
         return ""
-    found = {key: _scalar(table, key, output) for key in ("margin", "margin_scatter")}
-    if not np.isfinite(found["margin"]):
-        return f"{best} is the best surrogate of {output}."
-    ahead = digits.figure(found["margin"], 2)
-    if not np.isfinite(found["margin_scatter"]):
-        return f"{best} is best, ahead by {ahead} in Q²."
-    scatter = digits.figure(found["margin_scatter"], 2)
-    if found["margin"] > found["margin_scatter"]:
-        return (f"{best} is best: ahead by {ahead} in Q², more than the scatter from fold to fold "
-                f"({scatter}).")
-    return (f"{best} is best only by name: it is ahead by {ahead} in Q², which is not more than "
-            f"the scatter from fold to fold ({scatter}). Prefer the simpler one.")
+    words = str(table["sentence"].sel(output=output).item()).removeprefix(f"{output}: ")
+    words = re.sub(r"\bQ2\b", "Q²", words)
+    return words[:1].upper() + words[1:] if words.startswith("the ") else words
 
 
-def _scalar(table, key: str, output: str) -> float:
-    if key in table.attrs:
-        return float(table.attrs[key])
-    if key in table and table[key].dims == ("output",):
-        return float(table[key].sel(output=output))
-    return np.nan
+def _calibration(content: Content, output: str) -> list[Figure]:
+    """Coverage of the best surrogate's intervals at each level, when known."""
+    best, table = content.best(output), content.comparison
+    if "coverage" not in table or not content.row(best, output):
+        return []
+    observed = np.asarray(table["coverage"].sel(surrogate=best, output=output).values, float)
+    if not np.isfinite(observed).any():
+        return []
+    held = _held_out(content, output)
+    plot = calibration_plot(table["level"].values, observed, held, f"{best} for {output}")
+    return [Figure(plot, f"Calibration of {best}: the share of the held-out values inside intervals "
+                         "of each level. On the line the intervals are honest, below it too "
+                         f"narrow; inside the band {held} runs cannot tell.")]
+
+
+def _held_out(content: Content, output: str) -> int:
+    """Number of finished runs that the best surrogate has not seen."""
+    fit = content.fits_of(output)[content.best(output)]
+    return int((rows_learnt(fit, content.coded[content.finished(output)]) < 0).sum())
 
 
 def _parities(content: Content, output: str, names: list[str]) -> list:

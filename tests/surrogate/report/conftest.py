@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 from surrogate import fitting
+from surrogate.comparison import compare
 from surrogate.designs.aliasing import aliasing
 from surrogate.distributions import distribution, uniform
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
@@ -114,32 +115,6 @@ def sensitivity_dataset(space: Space, outputs, refused: str = "") -> xr.Dataset:
                              "computed": "sampling"})
 
 
-def comparison_dataset(fits: dict, outputs, test: dict) -> xr.Dataset:
-    """Figures of the fits under the documented names; test: output -> (coded, values)."""
-    table: dict[str, list] = {key: [] for key in
-                              ("q2_cv", "rmse_cv", "q2_test", "rmse_test", "max_error_test",
-                               "coverage_95", "fit_seconds", "predict_seconds")}
-    for by_output in fits.values():
-        rows = [_figures(by_output[output], *test.get(output, (None, None)))
-                for output in outputs]
-        for key in table:
-            table[key].append([row.get(key, np.nan) for row in rows])
-    return xr.Dataset({key: (("surrogate", "output"), value) for key, value in table.items()},
-                      coords={"surrogate": list(fits), "output": list(outputs)},
-                      attrs={"best": list(fits)[-1]})
-
-
-def _figures(fit, coded, values) -> dict[str, float]:
-    found = {"q2_cv": fit.q2, "rmse_cv": fit.rmse, "fit_seconds": 0.004, "predict_seconds": 2e-5}
-    if coded is None or not len(coded):
-        return found
-    predicted = fit.predict(coded)
-    return found | {"q2_test": fitting.q2(values, predicted),
-                    "rmse_test": fitting.rmse(values, predicted),
-                    "max_error_test": float(np.abs(values - predicted).max()),
-                    "coverage_95": 0.95}
-
-
 def make(space: Space | None = None, *, train=60, test=20, outputs=("pressure_b1",),
          surrogates=("linear", "interactions", "quadratic"), failed=None, sensitivity=True,
          name="made_up", refused="", screened=False) -> Content:
@@ -184,7 +159,7 @@ def _with_results(content: Content, surrogates, outputs, sensitivity, refused) -
                      if hasattr(fit.estimator, "regression_table")}
               for name, by_output in fits.items()}
     found = aliasing(content.space, content.coded[trained])
-    return replace(content, fits=fits, comparison=comparison_dataset(fits, outputs, tests),
+    return replace(content, fits=fits, comparison=compare(fits, tests),
                    regression=tables, aliasing={} if found is None else {"train": found},
                    sensitivity=sensitivity_dataset(content.space, outputs, refused)
                    if sensitivity else None)
