@@ -94,9 +94,9 @@ def _calibration(content: Content, output: str) -> list[Figure]:
         return []
     held = _held_out(content, output)
     plot = calibration_plot(table["level"].values, observed, held, f"{best} for {output}")
-    return [Figure(plot, f"Calibration of {best}: the share of the held-out values inside intervals "
-                         "of each level. On the line the intervals are honest, below it too "
-                         f"narrow; inside the band {held} runs cannot tell.")]
+    return [Figure(plot, f"Calibration of {best}: the share of the held-out values inside "
+                         "intervals of each level. On the line the intervals are honest, below "
+                         f"it too narrow; inside the band {held} runs cannot tell.")]
 
 
 def _held_out(content: Content, output: str) -> int:

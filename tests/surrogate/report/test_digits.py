@@ -1,0 +1,71 @@
+"""Numbers as printed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from surrogate.report import digits
+
+MINUS, THIN = digits.MINUS, digits.THIN
+
+
+@pytest.mark.parametrize("value, words", [
+    (0.0, "0"), (1234.5, "1234"), (0.123456, "0.123"), (-2.5, f"{MINUS}2.50"), (99.96, "100.0"),
+    (123456.0, f"123{THIN}456"), (1.234e-5, "1.23 × 10⁻⁵"), (-4.5e8, f"{MINUS}4.50 × 10⁸"),
+    (math.nan, digits.NOTHING), (None, digits.NOTHING), (math.inf, "∞")])
+def test_figure(value, words):
+    """Three significant digits, true minus, powers of ten only where needed."""
+    assert digits.figure(value) == words
+
+
+def test_uncertainty_decides_the_decimals():
+    """Two significant digits of the half-width, and the value to the same decimal."""
+    assert digits.with_half(11.5432, 0.1234) == "11.54 ± 0.12"
+    assert digits.with_half(1234.56, 34.0) == "1235 ± 34"
+    assert digits.with_interval(0.7089, 0.6901, 0.7312) == "0.709 (0.690 to 0.731)"
+    assert digits.with_interval(1e-5, 0.0, 0.018) == "0.0000 (0.0000 to 0.0180)"
+    assert digits.with_half(3.0, math.nan) == "3.00"
+
+
+def test_percent_is_never_rounded_to_all_or_nothing():
+    """99.97 % is not 100 %, and 0.01 % is not 0 %."""
+    assert digits.percent(0.934) == f"93.4{THIN}%" and digits.percent(0.95) == f"95{THIN}%"
+    assert digits.percent(0.9997).startswith("above") and digits.percent(1.0) == f"100{THIN}%"
+    assert digits.percent(0.0001).startswith("below") and digits.percent(0.0) == f"0{THIN}%"
+
+
+def test_p_value_has_a_floor():
+    """Nothing is claimed below one in a thousand."""
+    assert digits.p_value(3e-17) == f"<{THIN}0.001" and digits.p_value(0.0214) == "0.021"
+
+
+@pytest.mark.parametrize("seconds, words", [
+    (0.42, f"0.42{THIN}s"), (190.0, f"3{THIN}min 10{THIN}s"), (7500.0, f"2{THIN}h 5{THIN}min"),
+    (250_000.0, "2.9 days")])
+def test_duration(seconds, words):
+    """The unit that people would use."""
+    assert digits.duration(seconds) == words
+
+
+def test_units_and_labels():
+    """Powers are raised; what has no unit says so."""
+    assert digits.unit("mm**2") == "mm²" and digits.unit("kg*m/s^-2") == "kg·m/s⁻²"
+    assert digits.labelled("tension", "N/mm") == "tension (N/mm)"
+    assert digits.labelled("mu", "") == f"mu ({digits.NOTHING})"
+
+
+def test_column_lines_up():
+    """One number of decimals for a column, enough to show its spread."""
+    assert digits.column([1.0, 10.0, 5.55555]) == ["1.00", "10.00", "5.56"]
+    assert digits.column([np.nan, 2.0]) == [digits.NOTHING, "2.00"]
+
+
+def test_listing():
+    """Words joined as in a sentence, cut short when there are too many."""
+    assert digits.listing([]) == "" and digits.listing("a") == "a"
+    assert digits.listing("abc") == "a, b and c"
+    assert digits.listing("abcdef", 3) == "a, b, c and 3 more"
+    assert digits.listing("abcd", 3) == "a, b, c and d"
