@@ -37,7 +37,7 @@ class Progress:
     reused        of these, found in the journal
     done          of these, finished now or before, failed ones included
     failed        of these, without an answer (failed or timed out)
-    seconds_left  estimate from the runs of this time, None before the first
+    seconds_left  estimate from the runs of this time, and before from those of earlier times
     last          the run that just ended
     """
 
@@ -85,17 +85,17 @@ def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
                    if not _settled(book.records.get(key), wanted, timeout, rerun)]
         missing = _adopt(book, missing, wanted, others)
         queue = deque(Task(key, runs[key]) for key in missing)
-        tally = _Tally(Progress(len(runs)), progress or (lambda _: None))
+        workers = min(workers or cores(), max(1, len(queue)))
+        threads = threads or max(1, cores() // workers)
+        tally = _Tally(Progress(len(runs)), workers, progress or (lambda _: None))
         tally.start([book.records[key] for key in runs.keys() - set(missing)])
         if queue:
-            workers = min(workers or cores(), len(queue))
-            threads = threads or max(1, cores() // workers)
             with _stop_on_signals() as stopping:
                 source = (Pool(recipe, wanted, workers, threads, timeout).results(queue, stopping)
                           if executor is None else
                           _elsewhere(executor, recipe, wanted, workers, timeout, queue, stopping))
                 with closing(source):
-                    _record(source, queue, book, tally, recipe, timeout, retries, workers)
+                    _record(source, queue, book, tally, recipe, timeout, retries)
                 if stopping():
                     raise KeyboardInterrupt(f"stopped: {tally.now.done} of {tally.now.total} runs "
                                             "are done and kept; run again to go on")
@@ -152,7 +152,7 @@ def _adopt(book: Journal, missing: list[str], wanted: Iterable[str],
 
 
 def _record(source: Iterator[Event], queue: deque[Task], book: Journal, tally: _Tally,
-            recipe: Recipe, timeout: float | None, retries: int, workers: int) -> None:
+            recipe: Recipe, timeout: float | None, retries: int) -> None:
     """Write what comes from `source` into the journal; put failed runs back while they may."""
     described = {"solver": recipe.name, "version": str(recipe.solver.version),
                  "options": recipe.plain_options}
@@ -171,7 +171,7 @@ def _record(source: Iterator[Event], queue: deque[Task], book: Journal, tally: _
         if recipe.deterministic:
             record = _with_earlier(record, book.records.get(task.key))
         book.append(record, outcome.fields)
-        tally.add(record, workers)
+        tally.add(record)
 
 
 def _with_earlier(record: Record, earlier: Record | None) -> Record:
@@ -182,23 +182,34 @@ def _with_earlier(record: Record, earlier: Record | None) -> Record:
 
 
 class _Tally:
-    """Counts runs and tells the listener."""
+    """Counts runs, estimates the time left, and tells the listener."""
 
-    def __init__(self, now: Progress, listener: Callable[[Progress], None]):
-        self.now, self.listener = now, listener
-        self.seconds, self.runs = 0.0, 0
+    def __init__(self, now: Progress, workers: int, listener: Callable[[Progress], None]):
+        self.now, self.workers, self.listener = now, workers, listener
+        self.seconds: list[float] = []
+        self.earlier: float | None = None
 
     def start(self, records: list[Record]) -> None:
-        failed = sum(record.status != "ok" for record in records)
+        """Count the runs that the journal has."""
+        good = [record.seconds for record in records if record.status == "ok"]
+        self.earlier = sum(good) / len(good) if good else None
+        failed = len(records) - len(good)
         self.now = replace(self.now, reused=len(records), done=len(records), failed=failed)
-        self.listener(self.now)
+        self._tell()
 
-    def add(self, record: Record, workers: int) -> None:
-        self.seconds, self.runs = self.seconds + record.seconds * record.attempts, self.runs + 1
-        done = self.now.done + 1
-        left = (self.now.total - done) * self.seconds / self.runs / workers
-        self.now = Progress(self.now.total, self.now.reused, done,
-                            self.now.failed + (record.status != "ok"), left, record)
+    def add(self, record: Record) -> None:
+        """Count a run that just ended."""
+        self.seconds.append(record.seconds * record.attempts)
+        self.now = replace(self.now, done=self.now.done + 1, last=record,
+                           failed=self.now.failed + (record.status != "ok"))
+        self._tell()
+
+    def _tell(self) -> None:
+        recent = self.seconds[-100:]
+        mean = sum(recent) / len(recent) if recent else self.earlier
+        left = self.now.total - self.now.done
+        seconds = None if left and mean is None else left * (mean or 0.0) / self.workers
+        self.now = replace(self.now, seconds_left=seconds)
         self.listener(self.now)
 
 

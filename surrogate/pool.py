@@ -213,7 +213,10 @@ class Pool:
     def _count_false_start(self, reason: str) -> None:
         """Go on with fewer workers where some work (memory for no more), else give up."""
         self._false_starts += 1
-        if self._false_starts < FALSE_STARTS:
+        if self._needs_main:
+            reason += ". It runs the script again to find the solver in it: put the script's own " \
+                      'calls below `if __name__ == "__main__":`'
+        elif self._false_starts < FALSE_STARTS:
             return
         working = sum(worker.ready for worker in self._team)
         if not working:

@@ -129,7 +129,7 @@ def work(connection: Connection, recipe: bytes, wanted: Mapping[str, Output], th
     """
     _leave_terminal(printed)
     _end_with_parent()
-    limit_threads(threads)
+    threads = limit_threads(threads)
     try:
         build, options = pickle.loads(recipe)
         solver = build(**options)
@@ -187,15 +187,16 @@ def _end_with_parent() -> None:
         threading.Thread(target=watch, daemon=True).start()
 
 
-def limit_threads(threads: int) -> None:
+def limit_threads(threads: int) -> int:
     """Limit libraries not yet loaded, and programs that the solver starts, to `threads`.
 
-    A smaller limit that the user's environment states is kept.
+    Fewer when the user's environment asks for fewer; returns how many it is.
     """
-    for name in THREAD_VARIABLES:
-        stated = os.environ.get(name, "")
-        if not (stated.isdigit() and 0 < int(stated) <= threads):
-            os.environ[name] = str(threads)
+    stated = os.environ.get("OMP_NUM_THREADS", "")
+    if stated.isdigit() and int(stated) > 0:
+        threads = min(threads, int(stated))
+    os.environ.update(dict.fromkeys(THREAD_VARIABLES, str(threads)))
+    return threads
 
 
 class Built:

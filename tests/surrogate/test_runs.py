@@ -81,7 +81,7 @@ def test_a_failed_run_is_a_row_of_nan_that_says_why(runs):
     assert np.isnan(runs["seconds"].values).tolist() == [False] * 6 + [True]
     assert np.isnat(runs["finished"].values).tolist() == [False] * 6 + [True]
     age = np.datetime64(datetime.now(UTC).replace(tzinfo=None)) - runs["finished"].values[0]
-    assert np.timedelta64(0) <= age < np.timedelta64(600, "s")
+    assert np.timedelta64(0, "s") <= age < np.timedelta64(600, "s")
 
 
 def test_a_point_in_two_designs_is_two_rows_of_one_run(runs, folder):
