@@ -100,6 +100,14 @@ def p_value(p) -> str:
     return f"<{THIN}0.001" if p < 0.001 else figure(p, 2)
 
 
+def score(value) -> str:
+    """R2 or Q2: three decimals, or as many more as tell it from a perfect 1 (up to six)."""
+    if not _finite(value):
+        return NOTHING
+    decimals = next((d for d in (3, 4, 5) if round(float(value), d) < 1.0), 6)
+    return fixed(value, decimals if value < 1.0 - 5e-7 else 3)
+
+
 def percent(share) -> str:
     """`93.4 %` of a share 0.934; never rounded up to 100 or down to 0."""
     if not _finite(share):

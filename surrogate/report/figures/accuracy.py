@@ -43,7 +43,7 @@ def accuracy_plot(names, q2_cv, q2_test, output: str) -> Markup:
                                  ("filled", q2_test[k], "held-out runs")):
             if not np.isfinite(value):
                 continue
-            tip = f"{name}\nQ² {how}: {digits.fixed(value, 3)}"
+            tip = f"{name}\nQ² {how}: {digits.score(value)}"
             if value < lowest:
                 words = f"‹ {digits.figure(value)} ({how.split()[0]})"
                 shift = 4 if kind == "hollow" else 110

@@ -46,7 +46,6 @@ def _comparison(content: Content, output: str, names: list[str]) -> list:
 def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> Table:
     unit = content.unit(output)
     best = content.best(output)
-    scales = {"q2_cv": 3, "q2_test": 3, "coverage_95": 3}
     titles = {"q2_cv": "Q² cross-validated",
               "rmse_cv": digits.labelled("RMSE cross-validated", unit),
               "q2_test": "Q² held out", "rmse_test": digits.labelled("RMSE held out", unit),
@@ -64,7 +63,7 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
             tone = "bad" if key.startswith("q2") and value < POOR_Q2 else ""
             words = (digits.duration(value) if key.endswith("seconds")
                      else digits.percent(value) if key == "coverage_95"
-                     else digits.fixed(value, scales[key]) if key in scales
+                     else digits.score(value) if key.startswith("q2")
                      else digits.figure(value))
             line.append(Cell(words, float(value) if np.isfinite(value) else None, tone))
         lines.append(tuple(line))

@@ -128,7 +128,7 @@ def sentences(table: xr.Dataset, unit: str) -> list[str]:
 
 
 def _fit_sentence(get: dict[str, float], unit: str) -> str:
-    parts = [f"{label} = {digits.fixed(get[key], 3)}" for key, label in
+    parts = [f"{label} = {digits.score(get[key])}" for key, label in
              (("r2", "R²"), ("r2_adjusted", "adjusted R²"), ("q2", "leave-one-out Q²"))
              if np.isfinite(get.get(key, np.nan))]
     if np.isfinite(get.get("residual_sd", np.nan)):

@@ -62,8 +62,9 @@ def _q2(values: np.ndarray, predicted: np.ndarray) -> np.ndarray:
 def _axis(runs: xr.Dataset, dim: str) -> tuple[np.ndarray, str]:
     """Places along a dimension and its label; counted from 0 without numeric coordinates."""
     if dim in runs.coords and np.issubdtype(runs[dim].dtype, np.number):
-        unit = str(runs[dim].attrs.get("units", ""))
-        return np.asarray(runs[dim].values, dtype=float), digits.labelled(dim, unit)
+        unit = runs[dim].attrs.get("units")
+        return (np.asarray(runs[dim].values, dtype=float),
+                dim if unit is None else digits.labelled(dim, str(unit)))
     return np.arange(runs.sizes[dim], dtype=float), f"{dim} (number)"
 
 

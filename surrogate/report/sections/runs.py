@@ -92,7 +92,7 @@ def _physical(content: Content) -> dict[str, list[str]]:
     for parameter in content.space.parameters:
         values = content.runs[parameter.name].values
         printed[parameter.name] = [str(v) for v in values] if parameter.categorical \
-            else [digits.plain(v, 4) for v in values]
+            else digits.column(values, 4)
     return printed
 
 

@@ -71,7 +71,7 @@ def _best(content: Content, output: str, suffix: str) -> Fact:
         return Fact(f"Best surrogate{suffix}", best,
                     "Its error on new points is not known: no held-out runs, and no run can be "
                     "left out of the training.")
-    words = [f"Q² {digits.fixed(row.get(f'q2_{how}', np.nan), 3)} {kind}."]
+    words = [f"Q² {digits.score(row.get(f'q2_{how}', np.nan))} {kind}."]
     spread = _spread(content, output)
     if spread > 0:
         words.append(f"The output varies by {digits.with_unit(digits.figure(spread), unit)} "

@@ -37,6 +37,12 @@ def test_percent_is_never_rounded_to_all_or_nothing():
     assert digits.percent(0.0001).startswith("below") and digits.percent(0.0) == f"0{THIN}%"
 
 
+def test_score_is_one_only_when_perfect():
+    """R2 = 0.9995 is not 1.000."""
+    assert [digits.score(v) for v in (0.987, 0.9995, 0.99997, 1.0, -3.2)] == [
+        "0.987", "0.9995", "0.99997", "1.000", f"{MINUS}3.200"]
+
+
 def test_p_value_has_a_floor():
     """Nothing is claimed below one in a thousand."""
     assert digits.p_value(3e-17) == f"<{THIN}0.001" and digits.p_value(0.0214) == "0.021"
