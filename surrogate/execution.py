@@ -11,22 +11,19 @@ import os
 import signal
 import threading
 import time
-import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
+from concurrent.futures import Executor
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from typing import Any
 
-from surrogate.errors import StudyError, SurrogateError
+from surrogate.errors import StudyError
+from surrogate.executors import Elsewhere
 from surrogate.identity import Recipe, calls, keys
 from surrogate.journal import Journal, Record, read
-from surrogate.pool import TICK, Event, Pool, Task
-from surrogate.solver import Output
-from surrogate.workers import Built, Outcome
+from surrogate.pool import Event, Pool, Task
 
 
 @dataclass(frozen=True)
@@ -60,7 +57,8 @@ def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
     columns    physical values, name -> (run,); equal rows run once (deterministic solvers)
     journal    folder of the journal
     outputs    names of the outputs to keep; None keeps all
-    workers    processes, or runs at a time in `executor`; None: as many as there are cores
+    workers    processes, or runs at a time in `executor` (no more than it has places);
+               None: as many as there are cores
     threads    of numerical libraries in each worker; None: cores / workers
     timeout    seconds that one run may take; None for any. A run that takes longer is killed
     retries    more attempts for a run that crashed, hung or raised. An answer of a
@@ -91,10 +89,9 @@ def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
         tally.start([book.records[key] for key in runs.keys() - set(missing)])
         if queue:
             with _stop_on_signals() as stopping:
-                source = (Pool(recipe, wanted, workers, threads, timeout).results(queue, stopping)
-                          if executor is None else
-                          _elsewhere(executor, recipe, wanted, workers, timeout, queue, stopping))
-                with closing(source):
+                place = (Pool(recipe, wanted, workers, threads, timeout) if executor is None else
+                         Elsewhere(executor, recipe, wanted, workers, timeout))
+                with closing(place.results(queue, stopping)) as source:
                     _record(source, queue, book, tally, recipe, timeout, retries)
                 if stopping():
                     raise KeyboardInterrupt(f"stopped: {tally.now.done} of {tally.now.total} runs "
@@ -235,70 +232,3 @@ def _stop_on_signals() -> Iterator[Callable[[], bool]]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _elsewhere(executor: Executor, recipe: Recipe, wanted: Mapping[str, Output], places: int,
-               timeout: float | None, queue: deque[Task],
-               stopping: Callable[[], bool]) -> Iterator[Event]:
-    """Like `Pool.results`, in somebody's executor, at most `places` runs at a time."""
-    token, options = uuid.uuid4().hex, dict(recipe.options)
-    finished: SimpleQueue[Future] = SimpleQueue()
-    going: dict[Future, tuple[Task, float | None]] = {}
-    lost: list[Future] = []
-    try:
-        while not stopping() and (queue or going):
-            while queue and len(going) < places:
-                task = queue.popleft()
-                future = executor.submit(Built.evaluate, token, recipe.build, options, task.call,
-                                         wanted)
-                going[future] = task, None
-                future.add_done_callback(finished.put)
-            try:
-                future = finished.get(timeout=TICK)
-            except Empty:
-                _check_places(going, lost, timeout)
-            else:
-                if future in going:
-                    yield going.pop(future)[0], _outcome(future)
-            yield from _give_up_overdue(going, lost, timeout)
-            yield None
-        for future in [future for future in going if future.done()]:
-            yield going.pop(future)[0], _outcome(future)
-    finally:
-        for future in going:
-            future.cancel()
-
-
-def _check_places(going: Iterable[Future], lost: list[Future], timeout: float | None) -> None:
-    """Stop when runs wait for places that runs over time do not leave."""
-    stuck = sum(not future.done() for future in lost)
-    if going and stuck and not any(future.running() for future in going):
-        raise SurrogateError(f"all {stuck} places of the executor are taken by runs over the time "
-                             f"limit of {timeout:g} s; the runs finished so far are kept. Local "
-                             "workers (no executor) can stop such runs")
-
-
-def _outcome(future: Future) -> Outcome:
-    try:
-        return future.result()
-    except (BrokenExecutor, CancelledError) as error:
-        raise SurrogateError(f"the executor stopped working ({type(error).__name__}: {error}); the "
-                             "runs finished so far are kept. Local workers (no executor) survive "
-                             "a solver that crashes") from error
-    except Exception as error:  # the executor's own trouble: pickling, a lost machine
-        return Outcome("failed", f"{type(error).__name__}: {error}", 0.0, answered=False)
-
-
-def _give_up_overdue(going: dict[Future, tuple[Task, float | None]], lost: list[Future],
-                     timeout: float | None) -> Iterator[Event]:
-    if timeout is None:
-        return
-    now = time.monotonic()
-    for future, (task, since) in list(going.items()):
-        if since is None and future.running():
-            going[future] = task, now
-        elif since is not None and now - since >= timeout and not future.done():
-            del going[future]
-            lost.append(future)
-            yield task, Outcome("timed_out", f"given up after {timeout:g} s, the time limit of a "
-                                "run; the executor cannot stop it", now - since, answered=False)

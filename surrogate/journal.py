@@ -15,7 +15,6 @@ from __future__ import annotations
 import json
 import mmap
 import os
-import socket
 import time
 import zlib
 from collections.abc import Mapping
@@ -27,18 +26,10 @@ from typing import Any
 import numpy as np
 
 from surrogate.errors import ResultsError
-
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None
-    import msvcrt
+from surrogate.lock import give_back, take_lock
 
 SYNC_SECONDS = 0.5
 RECORDS, FIELDS, LOCK = "runs.jsonl", "fields.bin", "lock"
-
-#: Locks of POSIX keep other processes out; this keeps out the same process.
-_HELD: set[str] = set()
 
 
 @dataclass(frozen=True)
@@ -165,7 +156,7 @@ class Journal:
     def __enter__(self) -> Journal:
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            self._lock = _take_lock(self.folder / LOCK)
+            self._lock = take_lock(self.folder / LOCK)
         except OSError as error:
             raise _trouble(self.folder, error) from error
         try:
@@ -173,7 +164,7 @@ class Journal:
             self._records = _Appending(self.folder / RECORDS, cut=self.contents.length)
             self._fields = _Appending(self.folder / FIELDS)
         except BaseException as error:
-            _give_back(self.folder / LOCK, self._lock)
+            give_back(self.folder / LOCK, self._lock)
             if isinstance(error, OSError):
                 raise _trouble(self.folder, error) from error
             raise
@@ -186,7 +177,7 @@ class Journal:
         finally:
             self._records.close()
             self._fields.close()
-            _give_back(self.folder / LOCK, self._lock)
+            give_back(self.folder / LOCK, self._lock)
 
     def append(self, record: Record, fields: Mapping[str, np.ndarray] | None = None) -> None:
         """Add a finished run, its arrays first; places that the record states stay valid.
@@ -265,42 +256,3 @@ class _Appending:
 def _trouble(folder: Path, error: OSError) -> ResultsError:
     return ResultsError(f"cannot write to {folder}: {error.strerror or error}; the runs finished "
                         "so far are kept. Make room or choose another folder, then run again")
-
-
-def _take_lock(path: Path) -> int:
-    """Descriptor that holds the lock; the system frees it when this process ends, however."""
-    name = os.path.realpath(path)
-    if name in _HELD:
-        raise ResultsError(f"{path.parent} is in use by this process already; "
-                           "wait until its other study is done")
-    lock = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-    try:
-        if fcntl:
-            fcntl.lockf(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        else:
-            msvcrt.locking(lock, msvcrt.LK_NBLCK, 1)
-    except (BlockingIOError, PermissionError):
-        holder = _holder(path)
-        os.close(lock)
-        raise ResultsError(f"{path.parent} is in use by {holder}; "
-                           "wait for it, or stop it, then run again") from None
-    except OSError:
-        os.close(lock)
-        raise
-    with suppress(OSError):  # the lock holds even where the disk has no room for the name
-        os.ftruncate(lock, 0)
-        os.write(lock, f"process {os.getpid()} on {socket.gethostname()}, "
-                       f"since {time.strftime('%Y-%m-%d %H:%M:%S')}".encode())
-    _HELD.add(name)
-    return lock
-
-
-def _holder(path: Path) -> str:
-    with suppress(OSError):
-        return path.read_text().strip() or "another process"
-    return "another process"
-
-
-def _give_back(path: Path, lock: int) -> None:
-    _HELD.discard(os.path.realpath(path))
-    os.close(lock)
