@@ -150,7 +150,7 @@ def test_thick_cylinder_under_outside_pressure(pressure, inner, outer):
     """Plane strain, free hole, A = 15, B = 47, c10 = 5 kPa, kappa = 14.3 MPa.
 
     The radial equation gives the printed digits; 64 x 16 elements come within 0.2 % of them,
-    where plain trilinear elements lock at half the displacement.
+    where plain trilinear elements stop at two thirds of the displacement.
     """
     exact = pressed_exactly(pressure, 5e-3)
     assert exact.inner == pytest.approx(inner, abs=1e-6)
