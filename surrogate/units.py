@@ -35,7 +35,8 @@ def known(unit: str) -> bool:
     """True when pint can read `unit`."""
     try:
         _REGISTRY.parse_units(unit)
-    except (pint.errors.PintError, ValueError, TypeError, AttributeError, SyntaxError):
+    except (pint.errors.PintError, ValueError, TypeError, AttributeError, SyntaxError,
+            AssertionError, ArithmeticError, LookupError):
         return False
     except Exception as error:  # pint lets errors of Python's tokenizer through
         if type(error).__name__ in ("TokenError", "DefinitionSyntaxError"):
