@@ -151,9 +151,12 @@ def _pairs(one: Model, size: int, generator) -> Iterator:
                 continue
 
 
-def spread(one: Model, measure: Measure, *, draws: int, confidence: float,
-           seed=0) -> tuple[Spread, Spread, Spread]:
-    """Surrogate part of the intervals of first-order, total and second-order indices.
+def spread(one: Model, measure, *, draws: int, confidence: float, seed=0,
+           shares: bool = True) -> tuple[Spread, ...]:
+    """Surrogate part of the interval of each index that `measure.of(estimator)` gives.
+
+    measure  has `of` and `of_functions`, as `Measure` has
+    shares   whether the indices are shares of the variance, so that the missed variance counts
 
     Draws are measured on the same points, so that no sampling error enters. A plain
     function has no surrogate part: zeros. Without draws only the missed variance counts.
@@ -163,6 +166,8 @@ def spread(one: Model, measure: Measure, *, draws: int, confidence: float,
         return tuple(Spread(np.zeros_like(part), np.zeros_like(part), "none: a plain function")
                      for part in fitted)
     radii, how = _radii(one, measure, fitted, draws, confidence, seed)
+    if not shares:
+        return tuple(Spread(radius, radius, how) for radius in radii)
     missed = np.nan if one.q2 is None else np.clip(1.0 - one.q2, 0.0, 1.0)
     how = f"{how}; missed variance {missed:.3g}"
     return tuple(Spread(np.hypot(radius, missed * part), np.hypot(radius, missed * (1.0 - part)),

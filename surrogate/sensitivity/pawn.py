@@ -1,0 +1,38 @@
+"""PAWN: how much a parameter moves the whole distribution of the output, by SALib."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from SALib.analyze import pawn as analysis
+
+from surrogate.sensitivity.model import model
+from surrogate.sensitivity.pick_freeze import unit_blocks
+from surrogate.sensitivity.table import Q2_NEEDED
+from surrogate.sensitivity.unit_cube import Method, measured, problem
+from surrogate.space import Space
+
+
+def pawn(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**12,
+         slices: int = 16, replicates: int = 8, draws: int = 20, q2: float | None = None,
+         q2_needed: float = Q2_NEEDED) -> xr.Dataset:
+    """`median`, `mean` and `maximum` over slices of a parameter's range, for one output.
+
+    In each slice the Kolmogorov-Smirnov distance between the output's distribution there and
+    its whole distribution (Pianosi and Wagener 2018, doi 10.1016/j.envsoft.2018.07.019). A
+    parameter without effect has a small value, not 0: a slice holds samples / slices points.
+    """
+    cube = problem(space)
+
+    def sample(one_seed: int) -> np.ndarray:
+        runs = 2 ** int(np.ceil(np.log2(samples)))
+        return next(unit_blocks(space.size, runs, runs, np.random.default_rng(one_seed)))
+
+    def analyse(u: np.ndarray, values: np.ndarray, one_seed: int) -> dict[str, np.ndarray]:
+        return analysis.analyze(cube, u, values, S=slices)
+
+    method = Method("pawn", sample, analyse,
+                    {name: (0.0, 1.0) for name in ("median", "mean", "maximum")})
+    return measured(model(fit, space, q2=q2), method, seed=seed, confidence=confidence,
+                    replicates=replicates, draws=draws, q2_needed=q2_needed,
+                    slices=slices)

@@ -1,0 +1,185 @@
+"""Shapley effects: shares of the variance that sum to 1, dependent parameters included.
+
+With c(S) = E[Var(f | x outside S)] the Shapley effect of an input is its average increase
+of c over all orders in which inputs can be added to S, over Var f (Owen 2014, doi
+10.1137/130936233; Song, Nelson and Staum 2016, doi 10.1137/15M1048070, theorem 1). It lies
+between first-order and total index when inputs are independent. c(S) is half the mean square
+of f(X) - f(X') with X' redrawn inside S given the rest (Jansen's form; Broto, Bachoc and
+Depecker 2020, doi 10.1137/18M1234631). All subsets are used up to `ALL_SUBSETS` inputs, above
+them random orders and their reverses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import combinations
+from math import comb
+
+import numpy as np
+import xarray as xr
+from scipy import stats
+
+from surrogate.errors import StudyError
+from surrogate.sensitivity.conditional import Pairs
+from surrogate.sensitivity.draws import closed_form, spread
+from surrogate.sensitivity.model import Model, model
+from surrogate.sensitivity.pick_freeze import (
+    BLOCK,
+    jackknife,
+    per_scrambling,
+    unit_blocks,
+)
+from surrogate.sensitivity.table import Q2_NEEDED, Estimate, dataset
+from surrogate.space import Space
+
+ALL_SUBSETS = 8
+#: Random orders a scrambling, each with its reverse, above `ALL_SUBSETS` inputs.
+ORDERS = 16
+#: Points on which effects of drawn surrogates are set side by side.
+SAMPLES = 256
+NAMES = ("shapley", "closed_first_order", "independent_total")
+
+Subset = tuple[int, ...]
+
+
+def shapley(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**12,
+            scramblings: int = 16, draws: int = 50, q2: float | None = None,
+            q2_needed: float = Q2_NEEDED) -> xr.Dataset:
+    """Shapley effects of one output, for independent and for dependent parameters.
+
+    Arguments as for `sobol`. Variables `shapley` (sums to 1), `closed_first_order` =
+    Var E[f | x_i] / Var f and `independent_total` = E[Var(f | x outside i)] / Var f, which
+    are the Sobol' indices when parameters are independent; each with `_low`, `_high`,
+    `_sampling`, `_surrogate`. Closed form where a surrogate has no interactions above second
+    order and parameters are independent.
+    """
+    if scramblings < 4:
+        raise StudyError(f"scramblings: {scramblings} is too few for an interval; take 8 or more")
+    one = model(fit, space, q2=q2)
+    exact = space.independent and _second_order(one.estimator) is not None
+    measure = Measure(space, exact, seed)
+    if exact:
+        values = measure.of(one.estimator)
+        half = tuple(np.zeros_like(value) for value in values)
+    else:
+        values, half = _sampled(one, samples, scramblings, confidence, seed)
+    spreads = spread(one, measure, draws=draws, confidence=confidence, seed=seed)
+    variables = {}
+    for name, value, width, part in zip(NAMES, values, half, spreads, strict=True):
+        estimate = Estimate(value, width, part.below, part.above)
+        variables |= estimate.columns(name, ("parameter",), (0.0, 1.0))
+    return dataset(one, variables, method="shapley", confidence=confidence, q2_needed=q2_needed,
+                   computed="closed form" if exact else "sampling",
+                   surrogate_part=spreads[0].how)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """Effects of any surrogate on points common to all, or in closed form."""
+
+    space: Space
+    closed: bool
+    seed: int | None = 0
+
+    def of(self, estimator) -> tuple[np.ndarray, ...]:
+        """The three kinds of effects of one estimator, each (d,)."""
+        if self.closed:
+            return _second_order(estimator)
+        return effects(self._increases(estimator.predict).sum(axis=-1))
+
+    def of_functions(self, functions, pairs: int) -> list[tuple[np.ndarray, ...]]:
+        """The same for each column of functions(coded) (run, count)."""
+        return [effects(parts) for parts in np.moveaxis(self._increases(functions, pairs), -1, 0)]
+
+    def _increases(self, predict, runs: int = SAMPLES) -> np.ndarray:
+        generator = np.random.default_rng(self.seed)
+        runs = min(runs, SAMPLES)
+        u = next(unit_blocks(2 * self.space.size, runs, runs, generator))
+        return increases(predict, self.space, [u], runs, generator)
+
+
+def _second_order(estimator) -> tuple[np.ndarray, ...] | None:
+    """S_i + sum_j S_ij / 2 when first and second order make up the variance; else None."""
+    if not hasattr(estimator, "sobol_indices"):
+        return None
+    first, total, second = closed_form(estimator)
+    pairs = np.nan_to_num(second)
+    if abs(first.sum() + 0.5 * pairs.sum() - 1.0) > 1e-9:
+        return None
+    return first + 0.5 * pairs.sum(axis=1), first, total
+
+
+def _sampled(one: Model, samples: int, scramblings: int, confidence: float, seed):
+    """Effects and half-widths of their sampling intervals."""
+    runs = per_scrambling(samples, scramblings)
+    parts = []
+    for generator in np.random.default_rng(seed).spawn(scramblings):
+        blocks = unit_blocks(2 * one.space.size, runs, min(runs, _block(one)), generator)
+        parts.append(increases(one.predict, one.space, blocks, runs, generator).sum(axis=-1))
+    values, errors = jackknife(effects, np.stack(parts))
+    quantile = stats.t.ppf(0.5 + 0.5 * confidence, scramblings - 1)
+    return values, tuple(quantile * error for error in errors)
+
+
+def _block(one: Model) -> int:
+    """Points at once: a power of two that keeps an array output in bounded memory."""
+    width = np.asarray(one.predict(one.space.sample(1, seed=0))).size
+    return 2 ** int(np.log2(max(BLOCK // (4 * width), 1)))
+
+
+def effects(parts: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Shares from average increases, Var - c(all but i), c(i), in the rows of parts (3, d)."""
+    variance = parts[0].sum()
+    if not variance > 0.0:
+        raise StudyError("this output does not vary over the ranges of the parameters, so it "
+                         "has no sensitivity indices; check outputs and ranges")
+    return tuple(parts / variance)
+
+
+def increases(predict, space: Space, blocks: Iterable[np.ndarray], runs: int,
+              generator) -> np.ndarray:
+    """Unscaled effects (3, d, component) over the points of `blocks`, `runs` in all."""
+    d = space.size
+    weights = _weights(d, generator)
+    costs = dict.fromkeys(weights, 0.0)
+    for u in blocks:
+        pairs = Pairs.of(space, u)
+        values = np.asarray(predict(pairs.points())).reshape(len(u), -1)
+        for subset in weights:
+            moved = np.asarray(predict(pairs.partners(subset))).reshape(len(u), -1)
+            costs[subset] = costs[subset] + ((values - moved) ** 2).sum(axis=0) / (2.0 * runs)
+    everything = tuple(range(d))
+    average = sum(weight[:, None] * costs[subset] for subset, weight in weights.items())
+    alone = np.stack([costs[everything] - costs[everything[:i] + everything[i + 1:]]
+                      if d > 1 else costs[everything] for i in range(d)])
+    last = np.stack([costs[(i,)] for i in range(d)])
+    return np.stack([average, alone, last])
+
+
+def _weights(d: int, generator) -> dict[Subset, np.ndarray]:
+    """Weights (d,) of c(S) in the Shapley sums, for every subset S that is evaluated.
+
+    All subsets: 1 / (d comb(d - 1, |S| - 1)) for members, minus 1 / (d comb(d - 1, |S|)) for
+    the others. Random orders: the same from the orders drawn.
+    """
+    if d <= ALL_SUBSETS:
+        return {subset: _weight(subset, d) for size in range(1, d + 1)
+                for subset in combinations(range(d), size)}
+    needed = [(i,) for i in range(d)] + [tuple(j for j in range(d) if j != i) for i in range(d)]
+    weights = {subset: np.zeros(d) for subset in [*needed, tuple(range(d))]}
+    for order in [generator.permutation(d) for _ in range(ORDERS)]:
+        for way in (order, order[::-1]):
+            for k, i in enumerate(way):
+                with_i, without = (tuple(sorted(way[:n].tolist())) for n in (k + 1, k))
+                weights.setdefault(with_i, np.zeros(d))[i] += 0.5 / ORDERS
+                if without:
+                    weights[without][i] -= 0.5 / ORDERS
+    return weights
+
+
+def _weight(subset: Subset, d: int) -> np.ndarray:
+    size, member = len(subset), np.isin(np.arange(d), subset)
+    joining = 1.0 / (d * comb(d - 1, size - 1))
+    leaving = 1.0 / (d * comb(d - 1, size)) if size < d else 0.0
+    return np.where(member, joining, -leaving)
