@@ -23,8 +23,9 @@ from surrogate.regressors.polynomial import design_matrix, linear_terms
 #: Coded inputs span 2: below the lower bound neighbouring runs of any affordable design are
 #: unrelated, above the upper one an input is a straight line or plays no part.
 LENGTHS = (0.05, 50.0)
-#: Nugget as a share of the process variance: from rounding to as much noise as signal.
-NUGGETS = (1e-9, 1.0)
+#: Nugget as a share of the process variance: from what rounding allows (smaller ones make
+#: weights that lose ten digits) to as much noise as signal.
+NUGGETS = (1e-8, 1.0)
 TRENDS = ("constant", "linear")
 #: Above this number of runs the starts are tried on a part of the runs.
 SUBSET = 300
@@ -38,7 +39,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
 
     trend   "constant" or "linear"
     nugget  variance of a run about the process, as a share of the process variance:
-            "estimate", or a number (a tiny one, 1e-9, makes it interpolate)
+            "estimate", or a number (a tiny one, 1e-8, makes it interpolate)
     starts  local searches for the posterior's maximum
     seed    of the starts
     space   the Space of the inputs; None for numeric inputs uniform on [-1, 1]
@@ -72,7 +73,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             raise ValueError(f"trend '{self.trend}': {nearest(self.trend, TRENDS)}")
         if self.nugget != "estimate" and not (np.isreal(self.nugget) and self.nugget > 0):
             raise ValueError(f"nugget {self.nugget}: give 'estimate' or a number above 0, "
-                             "such as 1e-9")
+                             "such as 1e-8")
 
     def _trend_columns(self, points: np.ndarray) -> np.ndarray:
         """F (n, q): ones, and the columns for a linear trend."""
