@@ -24,7 +24,7 @@ class ContactLaw:
 
     mu: float
     penalty: float = 0.15
-    ramp: float = 0.01
+    ramp: float = 0.1
     elastic_slip: float = 0.05
 
     def pressure(self, gap, held):

@@ -49,4 +49,5 @@ def tensor(first, second):
     (A, A1, A2), (B, B1, B2) = first, second
     pairs = ((A, B), (A1, B), (A, B1), (A2, B), (A, B2), (A1, B1))
     n = A.shape[1]
-    return np.stack([np.einsum("an,bn->nab", a, b).reshape(n, -1) for a, b in pairs])
+    size = A.shape[0] * B.shape[0]
+    return np.stack([np.einsum("an,bn->nab", a, b).reshape(n, size) for a, b in pairs])

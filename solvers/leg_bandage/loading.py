@@ -17,7 +17,7 @@ from solvers.leg_bandage.model import Model
 from solvers.leg_bandage.solution import NotConverged, creep
 from surrogate.errors import SolverError
 
-FIRST_VISCOSITY = 1e-2
+FIRST_VISCOSITY = 5e-3
 
 
 def hold(model: Model, u: np.ndarray) -> np.ndarray:

@@ -6,7 +6,6 @@ mm, MPa.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,6 +13,7 @@ import numpy as np
 from solvers.leg_bandage.contact import Contact, Points
 from solvers.leg_bandage.fabric import Fabric
 from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.leg import Leg
 from solvers.leg_bandage.leg_mesh import LegMesh, leg_mesh
 from solvers.leg_bandage.shell import Shell
 from solvers.leg_bandage.solution import Problem, Tolerances, Viscosity
@@ -39,7 +39,7 @@ class Mesh:
 
 
 MESHES = {
-    "coarse": Mesh(24, 2, 24, 9.5, 12),
+    "coarse": Mesh(30, 2, 28, 9.5, 12),
     "medium": Mesh(36, 3, 36, 6.5, 20),
     "fine": Mesh(54, 4, 54, 4.4, 30),
 }
@@ -58,7 +58,7 @@ class Material:
     mu_skin: float = 0.2
     mu_bandage: float = 0.6
     penalty: float = 0.15
-    ramp: float = 0.01
+    ramp: float = 0.1
     elastic_slip: float = 0.05
 
     def law(self, mu: float) -> ContactLaw:
@@ -103,10 +103,19 @@ class Model:
         return self.X.size
 
 
-def mesh_leg(skin: Callable, bone: Callable, length: float, mesh: Mesh) -> LegMesh:
-    """The leg's hexahedra between two surfaces (theta, z), from `BELOW` to `ABOVE` the cuts."""
-    z = np.linspace(-BELOW, length + ABOVE, mesh.high + 1)
-    return leg_mesh(skin, bone, z, mesh.around, mesh.deep)
+def mesh_leg(leg: Leg, bone: Leg, mesh: Mesh) -> LegMesh:
+    """The hexahedra of an extended leg around its bones.
+
+    Lines of nodes run from the skin straight at the centre line of the bones, so that
+    they cannot cross in a section that is star-shaped about it.
+    """
+
+    def inner(theta, z):
+        skin = leg.surface(theta, z)[..., :2] - bone.centre_line(z)
+        return bone.surface(np.arctan2(skin[..., 1], skin[..., 0]), z)
+
+    z = np.linspace(*leg.span, mesh.high + 1)
+    return leg_mesh(leg.surface, inner, z, mesh.around, mesh.deep)
 
 
 def build(
@@ -134,7 +143,7 @@ def build(
         inner=[tissue],
         contacts=[skin, layers],
         others=[shell],
-        viscosity=Viscosity(_nodal_area(strip, laid.area, len(X))),
+        viscosity=Viscosity(_nodal_area(strip, laid, len(X))),
         fixed=fixed,
         ndof=X.size,
         solver=solver,
@@ -158,7 +167,7 @@ def skin_parameters(leg: LegMesh, theta_z: np.ndarray) -> np.ndarray:
 
 def _contacts(leg, strip, laid, wrap, material, ends, X):
     """Contact with the skin and with the turn beneath, with zero gaps as laid."""
-    nodes, weights = strip.stencil(midpoints(strip))
+    nodes, weights = strip.stencil(laid.points.reshape(-1, 2))
     tied = _tied(strip, laid, wrap, ends)
     cover = laid.cover.ravel()
     area = laid.area.ravel()
@@ -180,17 +189,18 @@ def _contacts(leg, strip, laid, wrap, material, ends, X):
 
 
 def _tied(strip, laid, wrap, ends):
-    """Which element midpoints (ns * nw,) always stick: those near both ends."""
+    """Which contact points always stick: those near both ends."""
     row = wrap.stretch * laid.lengths.mean()
     rows = max(int(np.ceil(ends.tied / row)), 2)
-    tied = np.zeros((strip.ns, strip.nw), bool)
+    tied = np.zeros(laid.cover.shape, bool)
     tied[:rows] = True
     if ends.free == "clipped":
         tied[-rows:] = True
     return tied.ravel()
 
 
-def _nodal_area(strip, area, count):
+def _nodal_area(strip, laid, count):
     """Laid area that belongs to each node of the model, (nodes,)."""
-    nodes, weights = strip.stencil(midpoints(strip))
-    return np.bincount(nodes.ravel(), (weights[0] * area.ravel()[:, None]).ravel(), count)
+    nodes, weights = strip.stencil(laid.points.reshape(-1, 2))
+    shares = weights[0] * laid.area.reshape(-1, 1)
+    return np.bincount(nodes.ravel(), shares.ravel(), count)

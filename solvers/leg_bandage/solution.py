@@ -34,7 +34,7 @@ class Tolerances:
 
     force: float = 1e-5
     rest: float = 2e-6
-    iterations: int = 25
+    iterations: int = 16
     longest: float = 4.0
     steps: int = 80
     viscosity: tuple[float, float] = (1e-6, 0.5)
@@ -150,7 +150,7 @@ class Problem:
             self.cost.iterations += 1
             if size < limits.force and step > 0.99:
                 return u, iteration
-            if not np.isfinite(size) or (iteration > 12 and size > 1e3 * best):
+            if not np.isfinite(size) or (iteration > 8 and size > 1e3 * best):
                 break
             best = min(best, size)
         free = self.system.free
@@ -214,7 +214,7 @@ def creep(problem: Problem, u, viscosity: float, watch: Callable | None = None):
         except NotConverged as failure:
             problem.restore(state)
             cost.cut_backs += 1
-            viscosity, last = 4 * viscosity, failure
+            viscosity, last = 8 * viscosity, failure
             if viscosity > largest:
                 break
             continue
@@ -228,5 +228,5 @@ def creep(problem: Problem, u, viscosity: float, watch: Callable | None = None):
         if viscosity * move < limits.rest:
             return u, viscosity * move
         if iterations < 14:
-            viscosity = max(viscosity / (4 if iterations < 8 else 2), smallest)
+            viscosity = max(viscosity / (8 if iterations < 9 else 3), smallest)
     raise last

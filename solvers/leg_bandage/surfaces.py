@@ -36,7 +36,7 @@ class Skin:
         """Node numbers (n, 16) that move the surface inside a cell."""
         i = (cell[:, :1] + np.arange(-1, 3)) % self.nodes.shape[0]
         j = cell[:, 1:] + np.arange(-1, 3)
-        return self.nodes[i[:, :, None], j[:, None, :]].reshape(len(cell), -1)
+        return self.nodes[i[:, :, None], j[:, None, :]].reshape(len(cell), 16)
 
     def stencil(self, xi):
         """Nodes (n, 16) and weights (6, n, 16) of the jet."""
@@ -77,7 +77,7 @@ class Strip:
         i = cell[:, :1] + np.arange(3)
         j = cell[:, 1:] + np.arange(3)
         nodes = self.offset + i[:, :, None] * (self.nw + 2) + j[:, None, :]
-        return nodes.reshape(len(cell), -1)
+        return nodes.reshape(len(cell), 9)
 
     def stencil(self, xi):
         """Nodes (n, 9) and weights (6, n, 9) of the jet."""

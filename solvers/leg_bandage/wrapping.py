@@ -3,8 +3,8 @@
 The midline climbs a helix of constant pitch in the leg's coordinates (theta, z). Across
 its width the strip follows lines that leave the midline at a right angle and stay in the
 tangent plane, at true length. Every turn lies on the turns beneath it: a point is lifted
-by half a thickness and by one more for each turn that covers it, fading over one element
-at the edges of that turn. The midline, so lifted, has the asked stretch; the stretch of
+by half a thickness and by one more for each turn that covers it, fading over the last
+element inside the edges of that turn. The midline, so lifted, has the asked stretch; the stretch of
 the edges follows from the shape of the leg. Units: mm, radians.
 
 A surface to wrap is a function (theta, z, d_theta, d_z) -> points (..., 3) or their
@@ -62,22 +62,25 @@ class Lay:
 
     strip    its surface; X (n, 3) the control points in place
     lengths  (ns,) unstretched warp length of each row of elements
-    skin     (ns, nw, 2) theta and z under each element's midpoint
-    cover    (ns, nw) share of the midpoint carried by the turn beneath, 0..1
-    beneath  (ns, nw, 2) strip parameters of the point of that turn beneath
-    layers   (ns, nw) number of layers at the midpoint, itself included
-    area     (ns, nw) laid area of the elements, mm2
+    points   (ns, nw + 2, 2) strip parameters where contact is looked at: the midpoints of
+             the elements and, so that no edge dives, both edges
+    area     (ns, nw + 2) laid area that belongs to each of them, mm2
+    skin     (ns, nw + 2, 2) theta and z of the skin under each
+    cover    (ns, nw + 2) share of each that the turn beneath carries, 0..1
+    beneath  (ns, nw + 2, 2) strip parameters of the point of that turn beneath
+    layers   (ns, nw + 2) number of layers there, itself included
     theta    (ns + 1,) angle of the midline at the ends of the element rows
     """
 
     strip: Strip
     X: np.ndarray
     lengths: np.ndarray
+    points: np.ndarray
+    area: np.ndarray
     skin: np.ndarray
     cover: np.ndarray
     beneath: np.ndarray
     layers: np.ndarray
-    area: np.ndarray
     theta: np.ndarray
 
 
@@ -121,31 +124,43 @@ def lay_rows(surface: Surface, wrap: Wrap, knots: np.ndarray, nw: int) -> Lay:
     """
     ns = len(knots) - 3
     theta_mid = (knots[1:] + knots[:-1]) / 2
-    place = across(surface, wrap, theta_mid, nw)
+    columns = np.concatenate([[-0.5, 0.0], np.arange(nw) + 0.5, [nw, nw + 0.5]])
+    place = across(surface, wrap, theta_mid, columns / nw - 0.5)
     bare = surface(place[..., 0], place[..., 1])
+    net, seen = np.delete(np.arange(nw + 4), [1, nw + 2]), slice(1, -1)
     strip = Strip(ns, nw)
-    cover, beneath, covers = _turns_beneath(strip, bare, wrap, theta_mid, nw)
+    cover, beneath, covers = _turns_beneath(strip, bare, net, wrap, theta_mid, columns)
     lift = wrap.thickness * (0.5 + covers.sum(axis=0))
-    X = interpolate_strip(bare + lift[..., None] * _normal(surface, place)).reshape(-1, 3)
-    inner = (slice(1, -1), slice(1, -1))
+    raised = bare + lift[..., None] * _normal(surface, place)
+    X = interpolate_strip(raised[:, net]).reshape(-1, 3)
+    points = np.stack(np.meshgrid(np.arange(ns) + 0.5, columns[seen], indexing="ij"), -1)
+    inner = (slice(1, -1), seen)
     return Lay(
         strip=strip,
         X=X,
         lengths=_midline_lengths(strip, X) / wrap.stretch,
+        points=points,
+        area=_shared_out(strip_area(strip, X)),
         skin=place[inner],
         cover=cover[inner],
         beneath=beneath[inner],
         layers=1 + covers.sum(axis=0)[inner],
-        area=strip_area(strip, X),
         theta=knots[1:-1],
     )
 
 
-def across(surface: Surface, wrap: Wrap, theta_mid: np.ndarray, nw: int) -> np.ndarray:
-    """theta and z (rows, nw + 2, 2) of the element midpoints of rows at midline angles.
+def _shared_out(area):
+    """Areas (ns, nw) of elements shared with the points on the edges, (ns, nw + 2)."""
+    first, last = area[:, :1], area[:, -1:]
+    return np.hstack([first / 4, first * 0.75, area[:, 1:-1], last * 0.75, last / 4])
 
-    Starts at the midline at a right angle to it, in steps of true length along the
-    surface, keeping the direction as near as the tangent plane allows (Runge-Kutta 4).
+
+def across(surface: Surface, wrap: Wrap, theta_mid: np.ndarray, columns) -> np.ndarray:
+    """theta and z (rows, columns, 2) of the strip's rows at midline angles theta_mid.
+
+    columns are rising distances from the midline over the width. Starts at the midline
+    at a right angle to it, in steps of true length along the surface, keeping the
+    direction as near as the tangent plane allows (Runge-Kutta 4).
     """
     z = wrap.start_height + wrap.pitch * (theta_mid - wrap.start_angle) / (2 * np.pi)
     start = np.column_stack([theta_mid, z])
@@ -154,20 +169,14 @@ def across(surface: Surface, wrap: Wrap, theta_mid: np.ndarray, nw: int) -> np.n
     heading = np.cross(_normal(surface, start), along)
     heading /= np.linalg.norm(heading, axis=1)[:, None]
 
-    step = wrap.width / nw
-    place = np.empty((len(theta_mid), nw + 2, 2))
-    half = (nw + 2) // 2
-    odd = nw % 2
-    for sign in (1, -1):
-        here = start
-        first = step if odd else step / 2
-        columns = range(half + odd, nw + 2) if sign > 0 else range(half - 1, -1, -1)
-        if odd:
-            place[:, half] = start
-        for column in columns:
-            here = _march(surface, here, heading, sign * first)
-            place[:, column] = here
-            first = step
+    distance = wrap.width * np.asarray(columns)
+    place = np.empty((len(theta_mid), len(distance), 2))
+    upper = int(np.searchsorted(distance, 0.0))
+    for order in (range(upper, len(distance)), range(upper - 1, -1, -1)):
+        here, at = start, 0.0
+        for column in order:
+            here = _march(surface, here, heading, distance[column] - at)
+            place[:, column], at = here, distance[column]
     return place
 
 
@@ -212,19 +221,22 @@ def _continued(at, arc, angles):
     return CubicSpline(arc, angles)(at)
 
 
-def _turns_beneath(strip, bare, wrap, theta_mid, nw):
-    """Cover by the turn beneath, its parameters, and the cover of every turn (k, rows, nw + 2)."""
-    X = interpolate_strip(bare).reshape(-1, 3)
-    rows, columns = bare.shape[:2]
-    rank = np.arange(rows) - 0.5
+def _turns_beneath(strip, bare, net, wrap, theta_mid, columns):
+    """Cover by the turn beneath, its parameters, and the cover of every turn (k, rows, columns).
+
+    bare (rows, columns, 3) lies on the surface; `net` picks the columns of the control net.
+    """
+    X = interpolate_strip(bare[:, net]).reshape(-1, 3)
+    shape = bare.shape[:2]
+    rank = np.arange(shape[0]) - 0.5
     depth = max(int(np.ceil(wrap.width / wrap.pitch)), 1)
-    covers = np.zeros((depth, rows, columns))
-    beneath = np.zeros((rows, columns, 2))
+    covers = np.zeros((depth, *shape))
+    beneath = np.zeros((*shape, 2))
     for k in range(1, depth + 1):
         row = np.interp(theta_mid - 2 * np.pi * k, theta_mid, rank, left=-9.0)
-        column = np.arange(columns) - 0.5 + k * wrap.pitch * nw / wrap.width
+        column = columns + k * wrap.pitch * strip.nw / wrap.width
         seed = np.stack(np.broadcast_arrays(row[:, None], column), axis=-1)
-        near = (seed[..., 0] > -2) & (seed[..., 1] < nw + 2)
+        near = (seed[..., 0] > -2) & (seed[..., 1] < strip.nw + 2)
         found = seed.copy()
         found[near] = project(strip, bare[near], X, seed[near])
         covers[k - 1] = np.where(near, _inside(found, strip), 0.0)
@@ -234,11 +246,10 @@ def _turns_beneath(strip, bare, wrap, theta_mid, nw):
 
 
 def _inside(xi, strip):
-    """1 inside the strip, 0 outside, fading over one element centred on its edges."""
-    along = np.clip(xi[..., 0] + 0.5, 0, 1)
-    over = np.clip(np.minimum(xi[..., 1], strip.nw - xi[..., 1]) + 0.5, 0, 1)
-    fade = along * along * (3 - 2 * along)
-    return fade * over * over * (3 - 2 * over)
+    """0 outside the strip, rising to 1 over the first element inside its edges."""
+    along = np.clip(xi[..., 0], 0, 1)
+    over = np.clip(np.minimum(xi[..., 1], strip.nw - xi[..., 1]), 0, 1)
+    return along**2 * (3 - 2 * along) * over**2 * (3 - 2 * over)
 
 
 GAUSS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)]), np.array([5, 8, 5]) / 18

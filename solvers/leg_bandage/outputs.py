@@ -1,0 +1,137 @@
+"""What is read off a solved model: pressures on the skin, stretch, slip, layers.
+
+The bandage is one sheet in (theta, z) when theta is counted on from turn to turn, so the
+place of every element midpoint on the skin is a smooth map of the strip's own coordinates.
+It is inverted at each point where a pressure is asked, for every turn that comes by, and
+the turns' pressures are added (only the lowest one touches the skin). Pressure is force
+per deformed area of skin. Units: mm, MPa inside, mmHg outside.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.leg_bandage.contact import project, solve2
+from solvers.leg_bandage.model import Model, midpoints, skin_parameters
+from solvers.leg_bandage.surfaces import Skin, Strip, interpolate_strip
+
+MMHG = 1.33322e-4
+"""MPa in one millimetre of mercury."""
+
+
+@dataclass(frozen=True)
+class Imprint:
+    """The bandage on the skin it has come to lie on.
+
+    strip     the bandage's parameters, without the leg
+    place     control values (n, 3): theta (unwrapped) and z of the skin beneath, unused
+    pressure  control values (n, 3): pressure on the skin in MPa, layers, slip in mm
+    """
+
+    strip: Strip
+    place: np.ndarray
+    pressure: np.ndarray
+
+    def at(self, theta, z):
+        """Pressure (mmHg) and number of layers at angles and heights, each (n,)."""
+        total = np.zeros(len(theta))
+        layers = np.zeros(len(theta))
+        first, last = self.place[:, 0].min(), self.place[:, 0].max()
+        for turn in range(int(first // (2 * np.pi)) - 1, int(last // (2 * np.pi)) + 2):
+            xi, inside = self._find(theta + 2 * np.pi * turn, z)
+            values = self.strip.at(xi[inside], self.pressure)[:, 0]
+            total[inside] += values[:, 0]
+            layers[inside] += 1
+        return total / MMHG, layers
+
+    def _find(self, theta, z):
+        """Strip parameters (n, 2) under skin points, and whether they lie on the strip."""
+        strip = self.strip
+        line = midpoints(strip).reshape(strip.ns, strip.nw, 2)
+        middle = self.strip.at(line[:, strip.nw // 2], self.place)[:, 0]
+        row = np.interp(theta, middle[:, 0], np.arange(strip.ns) + 0.5)
+        above = z - np.interp(row, np.arange(strip.ns) + 0.5, middle[:, 1])
+        step = np.abs(self.strip.at(line[:, strip.nw // 2], self.place)[:, 2, 1]).mean()
+        xi = np.column_stack([row, strip.nw / 2 + above / step])
+        inside = (xi[:, 1] > -4) & (xi[:, 1] < strip.nw + 4)
+        inside &= (theta > middle[0, 0] - 0.5) & (theta < middle[-1, 0] + 0.5)
+        target = np.column_stack([theta, z])
+        for _ in range(8):
+            jet = strip.at(xi[inside], self.place)[:, :3, :2]
+            miss = target[inside] - jet[:, 0]
+            step2 = solve2(jet[:, 1:].transpose(0, 2, 1), miss)
+            xi[inside] += np.clip(step2, -3, 3)
+        on = (xi >= 0).all(axis=1) & (xi <= [strip.ns, strip.nw]).all(axis=1)
+        return xi, inside & on
+
+
+def imprint(model: Model, u: np.ndarray) -> Imprint:
+    """Where the bandage lies at displacements u and how it presses the skin."""
+    strip, laid = Strip(model.strip.ns, model.strip.nw), model.lay
+    shape = (strip.ns, strip.nw)
+    x = model.X + u.reshape(-1, 3)
+    skin = Skin(model.mesh.skin)
+    seeds = skin_parameters(model.mesh, laid.skin[:, 1:-1]).reshape(-1, 2)
+    where = model.strip.at(midpoints(strip), x)[:, 0]
+    xi = project(skin, where, x, seeds)
+    jet = skin.at(xi, x)
+    slip = np.linalg.norm(np.einsum("pac,pa->pc", jet[:, 1:3], xi - seeds), axis=1)
+
+    grid = _spline(xi.reshape(*shape, 2))
+    turn = strip.at(midpoints(strip), grid)[:, 1:3, :2]
+    stretch = np.abs(turn[:, 0, 0] * turn[:, 1, 1] - turn[:, 0, 1] * turn[:, 1, 0])
+    area = stretch * np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)
+    force = np.zeros(laid.cover.size)
+    report = model.skin.report(u)
+    force[model.points["skin"]] = report["p"] * model.skin.points.area
+    force = _onto_elements(force.reshape(laid.cover.shape)).ravel()
+    layers = laid.layers[:, 1:-1].ravel()
+    values = np.stack([force / area, layers, slip], axis=-1)
+
+    turns = 2 * np.pi / len(model.mesh.theta)
+    height = model.mesh.z[1] - model.mesh.z[0]
+    place = np.column_stack([xi[:, 0] * turns, model.mesh.z[0] + xi[:, 1] * height])
+    return Imprint(strip, _spline(place.reshape(*shape, 2)), _spline(values.reshape(*shape, 3)))
+
+
+def _onto_elements(force):
+    """Forces (ns, nw + 2) at the points of contact, the edges' added to their elements."""
+    inner = force[:, 1:-1].copy()
+    inner[:, 0] += force[:, 0]
+    inner[:, -1] += force[:, -1]
+    return inner
+
+
+def _spline(values):
+    """Control values (n, 3) of midpoint values (ns, nw, m <= 3), continued straight outside."""
+    padded = np.zeros((values.shape[0] + 2, values.shape[1] + 2, 3))
+    padded[1:-1, 1:-1, : values.shape[2]] = values
+    for edge, one, two in ((0, 1, 2), (-1, -2, -3)):
+        padded[edge] = 2 * padded[one] - padded[two]
+    for edge, one, two in ((0, 1, 2), (-1, -2, -3)):
+        padded[:, edge] = 2 * padded[:, one] - padded[:, two]
+    return interpolate_strip(padded).reshape(-1, 3)
+
+
+def stretches(model: Model, u: np.ndarray) -> dict[str, np.ndarray]:
+    """Warp stretch along the strip at the midline and both edges, {name: (ns,)}."""
+    ns, nw = model.strip.ns, model.strip.nw
+    rows = np.arange(ns) + 0.5
+    lines = {"bottom": 0.0, "midline": nw / 2, "top": float(nw)}
+    return {
+        name: model.shell.at(u, np.column_stack([rows, np.full(ns, w)])).warp_stretch
+        for name, w in lines.items()
+    }
+
+
+def inner_rows(model: Model) -> slice:
+    """Element rows that are at least half a turn away from both ends."""
+    angles = (model.lay.theta[1:] + model.lay.theta[:-1]) / 2
+    inside = np.flatnonzero(
+        (angles > model.lay.theta[0] + np.pi) & (angles < model.lay.theta[-1] - np.pi)
+    )
+    if not len(inside):
+        return slice(0, len(angles))
+    return slice(int(inside[0]), int(inside[-1]) + 1)
