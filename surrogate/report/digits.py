@@ -75,13 +75,13 @@ def with_half(value, half) -> str:
     return f"{fixed(value, decimals)} ± {fixed(half, decimals)}"
 
 
-def with_interval(value, low, high) -> str:
-    """`0.709 (0.690 to 0.731)`; the value alone when there is no interval."""
+def with_interval(value, low, high, most: int = 9) -> str:
+    """`0.709 (0.690 to 0.731)`, `most` decimals at most; the value alone without an interval."""
     if not (_finite(value) and _finite(low) and _finite(high)):
         return figure(value)
-    if _awkward(max(abs(value), abs(low), abs(high))):
+    if _awkward(max(abs(value), abs(low), abs(high))) and most == 9:
         return f"{figure(value)} ({figure(low)} to {figure(high)})"
-    decimals = _interval_decimals((high - low) / 2.0, fallback=decimals_of([value]))
+    decimals = min(most, _interval_decimals((high - low) / 2.0, fallback=decimals_of([value])))
     return f"{fixed(value, decimals)} ({fixed(low, decimals)} to {fixed(high, decimals)})"
 
 
@@ -121,12 +121,15 @@ def percent(share) -> str:
 
 
 def duration(seconds) -> str:
-    """Seconds in the unit that people would use: 0.42 s, 3 min 10 s, 2 h 5 min, 1.3 days."""
+    """Seconds in the unit that people would use: 4.2 ms, 42 s, 3 min 10 s, 2 h 5 min, 1.3 days."""
     if not _finite(seconds):
         return NOTHING
+    if 0.0 < seconds < 0.1:
+        small, name = (1e6, "µs") if seconds < 1e-3 else (1e3, "ms")
+        return f"{figure(small * seconds, 2)}{THIN}{name}"
     if seconds < 100.0:
         return f"{figure(seconds, 2)}{THIN}s"
-    whole = round(seconds)
+    whole = round(float(seconds))
     if whole < 3600:
         return f"{whole // 60}{THIN}min {whole % 60}{THIN}s"
     if whole < 48 * 3600:

@@ -20,19 +20,14 @@ from surrogate.report.blocks import (
 from surrogate.report.content import Content
 from surrogate.report.figures.interactions import interaction_map
 from surrogate.report.figures.sobol import SHARE, Bars, index_bars, part_bars
+from surrogate.report.sections import measures
+from surrogate.report.sections.measures import index, method_of, names_of, sort_key
 
 #: Interactions listed by name.
 LISTED = 10
-PARTS = ("low", "high", "sampling", "surrogate")
+#: Decimals of shares beyond which nobody reads.
+DECIMALS = 4
 STAMP = "not to be trusted"
-
-
-def index(table: xr.Dataset, name: str) -> dict[str, np.ndarray]:
-    """`value`, `low`, `high`, `sampling`, `surrogate` of an index, NaN where not stored."""
-    value = np.asarray(table[name].values, dtype=float)
-    parts = {part: np.asarray(table[f"{name}_{part}"].values, dtype=float)
-             if f"{name}_{part}" in table else np.full(value.shape, np.nan) for part in PARTS}
-    return {"value": value, **parts}
 
 
 def of_output(content: Content, output: str) -> xr.Dataset | None:
@@ -61,13 +56,8 @@ def blocks(content: Content, output: str) -> list:
     if "first_order" in table and "total" in table:
         shown = _sobol(content, output, table, stamp)
     else:
-        shown = _others(table, output, stamp)
+        shown = measures.blocks(table, output, content.unit(output), stamp)
     return [title, *said, *shown]
-
-
-def names_of(table: xr.Dataset) -> list[str]:
-    """Parameters of a sensitivity dataset."""
-    return [str(name) for name in table["parameter"].values]
 
 
 def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list:
@@ -96,17 +86,8 @@ def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list
 
 def _how(table: xr.Dataset, first: dict) -> str:
     alone = float(np.clip(np.nansum(first["value"]), 0.0, 1.0))
-    return (f"{_method(table)} The parameters by themselves make {digits.percent(alone)} of the "
+    return (f"{method_of(table)} The parameters by themselves make {digits.percent(alone)} of the "
             f"variance, interactions {digits.percent(1.0 - alone)}.")
-
-
-def _method(table: xr.Dataset) -> str:
-    words = [str(table.attrs.get("method", "")).replace("sobol", "Sobol'").replace("_", " ")]
-    surrogate = str(table.attrs.get("surrogate", ""))
-    words += [f"of surrogate {surrogate}"] if surrogate else []
-    computed = str(table.attrs.get("computed", ""))
-    words += [f"by {computed}"] if computed else []
-    return f"Method: {' '.join(word for word in words if word)}."
 
 
 def _bars_caption(table: xr.Dataset, freeze_below: float | None) -> str:
@@ -134,7 +115,7 @@ def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Tab
                "two parts of each interval.")
     if np.isfinite(worst).any():
         titles.append("total at worst")
-        rows = [[*row, Cell(digits.figure(worst[k], 2), _sort(worst[k]))]
+        rows = [[*row, Cell(digits.figure(worst[k], 2), sort_key(worst[k]))]
                 for row, k in zip(rows, order, strict=True)]
         caption += (" At worst: the largest total index that the solver itself can have, should "
                     "all that the surrogate misses belong to this parameter.")
@@ -143,14 +124,11 @@ def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Tab
 
 
 def _numbers(values: dict, k: int) -> list[Cell]:
-    whole = digits.with_interval(*(values[part][k] for part in ("value", "low", "high")))
-    return [Cell(whole, _sort(values["value"][k])),
-            *(Cell(digits.figure(values[part][k], 2), _sort(values[part][k]))
+    whole = digits.with_interval(*(values[part][k] for part in ("value", "low", "high")),
+                                 most=DECIMALS)
+    return [Cell(whole, sort_key(values["value"][k])),
+            *(Cell(digits.figure(values[part][k], 2), sort_key(values[part][k]))
               for part in ("sampling", "surrogate"))]
-
-
-def _sort(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None
 
 
 def _interactions(names: list[str], second: dict) -> Table:
@@ -159,41 +137,8 @@ def _interactions(names: list[str], second: dict) -> Table:
     pairs.sort(key=lambda pair: -second["value"][pair])
     rows = tuple((Cell(f"{names[j]} × {names[i]}"),
                   Cell(digits.with_interval(*(second[key][i, j] for key in
-                                              ("value", "low", "high")))))
+                                              ("value", "low", "high")), most=DECIMALS)))
                  for i, j in pairs[:LISTED])
     more = f" The {LISTED} largest of {len(pairs)}." if len(pairs) > LISTED else ""
     return Table(f"Second-order indices of the pairs.{more}",
                  (Head("pair", numeric=False), Head("second order (interval)")), rows)
-
-
-def _others(table: xr.Dataset, output: str, stamp: str) -> list:
-    """Any other method: bars and a table of each index that has a value a parameter."""
-    names = names_of(table)
-    found = [str(name) for name, variable in table.data_vars.items()
-             if variable.dims == ("parameter",) and np.issubdtype(variable.dtype, np.number)
-             and str(name).rpartition("_")[2] not in PARTS]
-    if not found:
-        return [Text(_method(table))]
-    values = {name: index(table, name) for name in found}
-    figures = tuple(Figure(
-        index_bars(names, [Bars("dark", name, *(values[name][part]
-                                                for part in ("value", "low", "high")))],
-                   _label(table, name), f"{name} of {output}", trusted=not stamp),
-        f"{name}{_meaning(table, name)}, with its interval where one is known.", stamp=stamp)
-        for name in found)
-    rows = tuple((Cell(names[k]), *(Cell(digits.with_interval(
-        *(values[name][part][k] for part in ("value", "low", "high"))),
-        _sort(values[name]["value"][k])) for name in found)) for k in range(len(names)))
-    heads = (Head("parameter", numeric=False), *(Head(_label(table, name)) for name in found))
-    return [Text(_method(table)), Figures(figures),
-            Table(f"Indices of {output} with their intervals.", heads, rows,
-                  sortable=len(rows) > 3)]
-
-
-def _label(table: xr.Dataset, name: str) -> str:
-    return digits.labelled(name, str(table[name].attrs.get("units", "")))
-
-
-def _meaning(table: xr.Dataset, name: str) -> str:
-    words = str(table[name].attrs.get("long_name", ""))
-    return f": {words}" if words and words != name else ""

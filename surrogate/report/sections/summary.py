@@ -10,7 +10,8 @@ from surrogate.report.content import POOR_Q2, Content
 from surrogate.report.sections import screening
 from surrogate.report.sections.accuracy import margin
 from surrogate.report.sections.designs import roman
-from surrogate.report.sections.indices import index, of_output, refusal
+from surrogate.report.sections.indices import DECIMALS, of_output, refusal
+from surrogate.report.sections.measures import index, measures_of, method_of, names_of
 from surrogate.sensitivity.screening import Screening
 
 #: Names written out in a sentence.
@@ -93,15 +94,16 @@ def _matters(content: Content, output: str, suffix: str) -> Fact:
     if refused:
         return Fact(title, "not answered", refused)
     table = of_output(content, output)
-    if "total" not in table:
-        return Fact(title, "see the sensitivity section", "")
-    names = [str(name) for name in table["parameter"].values]
-    total = index(table, "total")
-    order = np.argsort(-np.nan_to_num(total["value"], nan=-1.0))
-    words = [f"{names[k]} {digits.with_interval(*(total[p][k] for p in ('value', 'low', 'high')))}"
-             for k in order[:3]]
+    leading = "total" if "total" in table else next(iter(measures_of(table)), "")
+    if not leading:
+        return Fact(title, "not known", method_of(table))
+    names, total = names_of(table), index(table, leading)
+    order = np.argsort(-np.nan_to_num(np.abs(total["value"]), nan=-1.0))
+    shares = [digits.with_interval(*(total[part][k] for part in ("value", "low", "high")),
+                                   most=DECIMALS) for k in order[:3]]
+    words = [f"{names[k]} {share}" for k, share in zip(order[:3], shares, strict=True)]
     return Fact(title, names[order[0]],
-                f"Total indices, largest first: {'; '.join(words)}.")
+                f"{leading.replace('_', ' ').capitalize()}, largest first: {'; '.join(words)}.")
 
 
 def _frozen(decision: Screening) -> Fact:
@@ -136,10 +138,21 @@ def warnings(content: Content) -> list[str]:
         said += [*_poor(content, output), *_saturated(content, output)]
         said += [words] if (words := refusal(content, output)) else []
     for design, aliasing in content.aliasing.items():
-        if aliasing.resolution == 3:
-            said.append(f"Design {design} has resolution {roman(3)}: its main effects cannot be "
-                        "told from two-factor interactions.")
+        names = _learnt_only_from(content, design)
+        if aliasing.resolution == 3 and names:
+            said.append(f"Design {design}, all that {digits.listing(names)} "
+                        f"{'learns' if len(names) == 1 else 'learn'} from, has resolution "
+                        f"{roman(3)}: main effects cannot be told from two-factor interactions.")
     return said
+
+
+def _learnt_only_from(content: Content, design: str) -> list[str]:
+    """Surrogates that have seen no run outside this design."""
+    inside = content.words("design") == design
+    points = {tuple(np.round(point, 9) + 0.0) for point in content.coded[inside]}
+    return [name for name, by_output in content.fits.items()
+            if all(tuple(np.round(point, 9) + 0.0) in points
+                   for fit in by_output.values() for point in fit.coded)]
 
 
 def _poor(content: Content, output: str) -> list[str]:

@@ -27,6 +27,7 @@ def test_uncertainty_decides_the_decimals():
     assert digits.with_half(1234.56, 34.0) == "1235 ± 34"
     assert digits.with_interval(0.7089, 0.6901, 0.7312) == "0.709 (0.690 to 0.731)"
     assert digits.with_interval(1e-5, 0.0, 0.018) == "0.0000 (0.0000 to 0.0180)"
+    assert digits.with_interval(0.0, 0.0, 0.000131, most=4) == "0.0000 (0.0000 to 0.0001)"
     assert digits.with_half(3.0, math.nan) == "3.00"
 
 
@@ -49,8 +50,8 @@ def test_p_value_has_a_floor():
 
 
 @pytest.mark.parametrize("seconds, words", [
-    (0.42, f"0.42{THIN}s"), (190.0, f"3{THIN}min 10{THIN}s"), (7500.0, f"2{THIN}h 5{THIN}min"),
-    (250_000.0, "2.9 days")])
+    (0.42, f"0.42{THIN}s"), (0.0042, f"4.2{THIN}ms"), (2e-6, f"2.0{THIN}µs"),
+    (190.0, f"3{THIN}min 10{THIN}s"), (7500.0, f"2{THIN}h 5{THIN}min"), (250_000.0, "2.9 days")])
 def test_duration(seconds, words):
     """The unit that people would use."""
     assert digits.duration(seconds) == words

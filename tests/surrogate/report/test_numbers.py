@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from reader import read
 from surrogate import report
 from surrogate.report import digits
 from surrogate.report.parity import parity
+from surrogate.sensitivity.one_at_a_time import one_at_a_time
 
 
 def table(tree, caption: str) -> list[list[str]]:
@@ -180,3 +182,15 @@ def test_point_q2_of_a_field(study):
     wrong = sum((values[i, k] - predicted[i, k]) ** 2 for i in range(20))
     total = sum((values[i, k] - values[:, k].mean()) ** 2 for i in range(20))
     assert scores[k] == pytest.approx(1.0 - wrong / total) and "held-out" in how
+
+
+def test_any_measure_is_drawn_with_its_unit(study):
+    """Elementary effects are in the output's unit; the answer names the largest."""
+    content = study(surrogates=("quadratic",), sensitivity=False)
+    fit = content.fits["quadratic"]["pressure_b1"]
+    moved = one_at_a_time(fit, content.space)
+    tree = read(report.build(replace(content, sensitivity=moved)).html)
+    rows = table(tree, "The same in numbers")
+    assert [number(row[1]) for row in rows] == pytest.approx(moved["effect"].values[0], rel=6e-3)
+    assert "effect (mmHg)" in next(tree.all("section", id="output-pressure-b1")).text
+    assert "What matters most tension" in next(tree.all("section", id="answer")).text
