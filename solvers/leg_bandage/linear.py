@@ -1,29 +1,18 @@
-"""From mechanical parts to one sparse system, and its direct solution.
+"""From mechanical parts to one sparse system.
 
-The parts never change their patterns, so the way from their triplets to the compressed
-columns, and the fill-reducing order of the unknowns, are worked out once and kept over all
-Newton iterations. SuperLU (SciPy) always works; MKL Pardiso, when `pypardiso` is installed,
-is several times faster.
+The parts never change their patterns, so the way from their triplets to compressed columns
+is worked out once and kept over all Newton iterations, as is the order of elimination.
 """
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
-import weakref
 from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
-from scipy.sparse.linalg import splu
 
-from surrogate.errors import SolverError, nearest
-
-ANALYSE, FACTORISE, SOLVE = 11, 22, 33
-# Pardiso's iparm, numbered from 1: own settings, METIS order, two refinement steps, small
-# pivots raised at 1e-8, no scaling, transposed solves (columns are stored), no matching.
-PARDISO_SETTINGS = {1: 1, 2: 2, 8: 2, 10: 8, 11: 0, 12: 2, 13: 0, 18: 0, 21: 0, 24: 0, 27: 0}
+from solvers.leg_bandage.direct import DirectSolver, with_values
 
 
 class Part(Protocol):
@@ -58,7 +47,7 @@ class System:
         rows = number[np.concatenate([part.rows for part in self.parts])]
         cols = number[np.concatenate([part.cols for part in self.parts])]
         pattern, self._slots = compress(rows, cols, len(self.free))
-        self.factors = direct_solver(solver, pattern)
+        self.factors = DirectSolver(solver, pattern)
 
     def linearise(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Sum of the parts' residuals (n_dofs,) and of their tangents, the latter kept packed.
@@ -67,7 +56,7 @@ class System:
         """
         answers = [part.linearise(u) for part in self.parts]
         values = np.concatenate([values for _, values in answers])
-        packed = np.bincount(self._slots, values, minlength=self.factors.nnz + 1)[:-1]
+        packed = np.bincount(self._slots, values, minlength=self.factors.pattern.nnz + 1)[:-1]
         return sum(residual for residual, _ in answers), packed
 
     def factorise(self, packed: np.ndarray) -> None:
@@ -82,7 +71,7 @@ class System:
 
     def matrix(self, packed: np.ndarray) -> csc_array:
         """The packed tangent as a sparse matrix over the free dofs."""
-        return self.factors.matrix(packed)
+        return with_values(self.factors.pattern, packed)
 
 
 def compress(rows: np.ndarray, cols: np.ndarray, n: int) -> tuple[csc_array, np.ndarray]:
@@ -113,113 +102,3 @@ def _stable_order(keys: np.ndarray, n: int) -> np.ndarray:
     count = len(keys)
     entries = csr_array((np.ones(count, np.int8), keys, np.arange(count + 1)), shape=(count, n))
     return entries.tocsc().indices
-
-
-class SuperLU:
-    """SciPy's SuperLU with a symmetric minimum-degree order that is found once."""
-
-    def __init__(self, pattern: csc_array):
-        self._pattern, self._order, self._lu = pattern, None, None
-        self._ordered = False
-        self.nnz = pattern.nnz
-
-    def matrix(self, packed: np.ndarray) -> csc_array:
-        """The matrix with these values, (n, n)."""
-        return _with_values(self._pattern, packed)
-
-    def factorise(self, packed: np.ndarray) -> None:
-        """LU factors of the matrix with these values."""
-        if self._order is None:
-            self._lu = self._factors(self.matrix(packed), "MMD_AT_PLUS_A")
-            self._keep_order(np.argsort(self._lu.perm_c))
-        else:
-            permuted = csc_array((packed[self._take], *self._permuted), shape=self._pattern.shape)
-            self._lu = self._factors(permuted, "NATURAL")
-            self._ordered = True
-
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """Solution for a right-hand side (n,)."""
-        if not self._ordered:
-            return self._lu.solve(rhs)
-        answer = np.empty_like(rhs)
-        answer[self._order] = self._lu.solve(rhs[self._order])
-        return answer
-
-    def _keep_order(self, order: np.ndarray) -> None:
-        """Remember the pattern in that order, so that later factorisations need not look."""
-        numbered = self.matrix(np.arange(1.0, self.nnz + 1))
-        permuted = numbered[order][:, order].tocsc()
-        permuted.sort_indices()
-        self._order = order
-        self._take = permuted.data.astype(np.int64) - 1
-        self._permuted = permuted.indices, permuted.indptr
-
-    @staticmethod
-    def _factors(matrix: csc_array, order: str):
-        try:
-            return splu(matrix, permc_spec=order, diag_pivot_thresh=0.0,
-                        options={"SymmetricMode": True})
-        except RuntimeError as error:
-            raise SolverError(
-                f"the tangent is singular ({error}); hold more dofs or take a smaller step"
-            ) from error
-
-
-class Pardiso:
-    """MKL Pardiso through `pypardiso`: order and symbolic factors are found once.
-
-    Matching and scaling depend on the values, which the kept symbolic factors do not allow:
-    they are off. Sequences of two refinement steps make up for that.
-    """
-
-    def __init__(self, pattern: csc_array):
-        self._engine = importlib.import_module("pypardiso").PyPardisoSolver(mtype=11)
-        for number, value in PARDISO_SETTINGS.items():
-            self._engine.set_iparm(number, value)
-        weakref.finalize(self, self._engine.free_memory, everything=True)
-        self._matrix, self.nnz = pattern.copy(), pattern.nnz
-        self._run(ANALYSE, np.zeros(pattern.shape[0]))
-
-    def matrix(self, packed: np.ndarray) -> csc_array:
-        """The matrix with these values, (n, n)."""
-        return _with_values(self._matrix, packed)
-
-    def factorise(self, packed: np.ndarray) -> None:
-        """LU factors of the matrix with these values."""
-        self._matrix = self.matrix(packed)
-        self._run(FACTORISE, np.zeros(self._matrix.shape[0]))
-
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """Solution for a right-hand side (n,)."""
-        return self._run(SOLVE, np.ascontiguousarray(rhs, dtype=float))
-
-    def _run(self, phase: int, rhs: np.ndarray) -> np.ndarray:
-        self._engine.set_phase(phase)
-        try:
-            return self._engine._call_pardiso(self._matrix, rhs)
-        except importlib.import_module("pypardiso.pardiso_wrapper").PyPardisoError as error:
-            raise SolverError(
-                f"the tangent is singular ({error}); hold more dofs or take a smaller step"
-            ) from error
-
-
-ENGINES = {"superlu": SuperLU, "pardiso": Pardiso}
-
-
-def direct_solver(name: str, pattern: csc_array) -> SuperLU | Pardiso:
-    """The engine of that name for a pattern; `auto` is pardiso when it is installed."""
-    installed = importlib.util.find_spec("pypardiso") is not None
-    if name == "auto":
-        name = "pardiso" if installed else "superlu"
-    if name not in ENGINES:
-        raise SolverError(f"linear solver: {nearest(name, [*ENGINES, 'auto'])}")
-    if name == "pardiso" and not installed:
-        raise SolverError(
-            "linear solver pardiso needs pypardiso: pip install 'surrogate-studies[fast]', "
-            "or take 'superlu'"
-        )
-    return ENGINES[name](pattern)
-
-
-def _with_values(pattern: csc_array, values: np.ndarray) -> csc_array:
-    return csc_array((values, pattern.indices, pattern.indptr), shape=pattern.shape)

@@ -5,7 +5,8 @@ import importlib.util
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.linear import System, compress, direct_solver
+from solvers.leg_bandage.direct import DirectSolver
+from solvers.leg_bandage.linear import System, compress
 from surrogate.errors import SolverError
 
 ENGINES = ["superlu"] + (["pardiso"] if importlib.util.find_spec("pypardiso") else [])
@@ -64,6 +65,37 @@ def test_solution_equals_dense_elimination_for_changing_values(engine):
         assert np.all(found[fixed] == 0)
 
 
+def with_condition(condition, n=40):
+    """A symmetric matrix (n, n) with eigenvalues from 1 down to 1 / condition."""
+    vectors = np.linalg.qr(np.random.default_rng(7).normal(size=(n, n)))[0]
+    return vectors * np.geomspace(1, 1 / condition, n) @ vectors.T
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("condition", [1e2, 1e4, 1e6, 1e9, 1e13])
+def test_single_precision_factors_give_double_precision_answers(engine, condition):
+    """Wilkinson 1963: refinement converges while condition times 2^-24 is below 1.
+
+    There 1e-12 of the right-hand side is left, and the error is the condition times that;
+    beyond, double-precision factors take over and leave no more than 1e-9.
+    """
+    dense = with_condition(condition)
+    n = len(dense)
+    rows, cols = (axis.ravel() for axis in np.meshgrid(np.arange(n), np.arange(n)))
+    pattern, slots = compress(rows, cols, n)
+    solver = DirectSolver(engine, pattern)
+    expected = np.random.default_rng(8).normal(size=n)
+    rhs = dense @ expected
+    for _ in range(2):
+        solver.factorise(np.bincount(slots, dense[rows, cols]))
+        found = solver.solve(rhs)
+        left = np.abs(dense @ found - rhs).max() / np.abs(rhs).max()
+        if condition < 1e6:
+            assert left < 2e-12
+            assert np.abs(found - expected).max() < 1e-11 * condition
+        assert left < 1e-9
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_same_system_gives_the_same_digits(engine):
     """Two engines of a kind on one matrix: not one bit differs."""
@@ -80,11 +112,11 @@ def test_a_loose_body_is_reported_as_singular():
     """A matrix of zeros: SuperLU says so in a sentence, not a traceback."""
     pattern, _ = compress(np.arange(4), np.arange(4), 4)
     with pytest.raises(SolverError, match="singular"):
-        direct_solver("superlu", pattern).factorise(np.zeros(4))
+        DirectSolver("superlu", pattern).factorise(np.zeros(4))
 
 
 def test_unknown_engine_is_named():
     """The sentence offers the nearest spelling."""
     pattern, _ = compress(np.arange(2), np.arange(2), 2)
     with pytest.raises(SolverError, match="did you mean 'pardiso'"):
-        direct_solver("paradiso", pattern)
+        DirectSolver("paradiso", pattern)
