@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import traceback
 from pathlib import Path
 from typing import Annotated
 
@@ -132,6 +133,11 @@ def main() -> None:
     except BrokenPipeError:  # the reader of a pipe, such as head, has gone
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
+    except Exception as error:  # a mistake of ours, not of the user
+        log = Path("surrogate-error.log").absolute()
+        log.write_text(traceback.format_exc(), encoding="utf-8")
+        _stop(f"internal error: {type(error).__name__}: {error}\nFinished runs are kept. "
+              f"Please report it with {log}", 1)
 
 
 def _stop(why: object, status: int) -> None:

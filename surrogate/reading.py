@@ -378,6 +378,15 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
         function = plugins.load(plugins.SENSITIVITY, part.method, reading.folder)
         reading.options_wrong(plugins.option_mistakes(function, part.options,
                                                       GIVEN_TO_SENSITIVITY), "sensitivity")
+        if space is not None and not space.independent \
+                and getattr(function, "needs_independent", False):
+            reading.wrong(f"method {part.method} needs independent parameters, but these are "
+                          "correlated; use method shapley, or drop correlation",
+                          "sensitivity", "method")
+        if reading.part.screening is not None and part.method != "sobol":
+            reading.wrong("screening decides by the total indices of method sobol, not "
+                          f"{part.method}; change the method, or drop screening",
+                          "screening", on_key=True)
         return SensitivityMethod(part.method, function, part.options,
                                  part.surrogate, part.confidence)
     return None

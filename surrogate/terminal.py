@@ -131,24 +131,22 @@ _INDICES = {"first_order": "first order", "total": "total", "total_low": "low",
 
 
 def _figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> list[Table]:
-    """A table per output of the variables in `titles`, by their first other dimension."""
-    rows_of = next(d for d in figures[next(t for t in titles if t in figures)]["dimensions"]
-                   if d != "output")
-    tables = []
-    for k, output in enumerate(figures["output"]["values"]):
-        rows = []
-        for j, name in enumerate(figures[rows_of]["values"]):
-            cells = [_cell(figures[title], k, j) for title in titles if title in figures]
-            rows.append((name, *cells))
-        tables.append(table(output, (rows_of, *(title for key, title in titles.items()
-                                                if key in figures)), rows))
-    return tables
+    """A table per output of the variables in `titles`; of all flat ones when it has none."""
+    flat = {key: figure["dimensions"] for key, figure in figures.items()
+            if len(figure.get("dimensions", ())) == 2 and "output" in figure["dimensions"]}
+    columns = {key: title for key, title in titles.items() if key in flat} or \
+        {key: key for key in flat if not key.endswith(("_sampling", "_surrogate"))}
+    rows_of = next(d for d in flat[next(iter(columns))] if d != "output")
+    return [table(output, (rows_of, *columns.values()),
+                  [(name, *(_cell(figures[key], k, j) for key in columns))
+                   for j, name in enumerate(figures[rows_of]["values"])])
+            for k, output in enumerate(figures["output"]["values"])]
 
 
 def _cell(figure: Mapping[str, Any], output: int, row: int) -> Any:
     first, second = (output, row) if figure["dimensions"][0] == "output" else (row, output)
     value = figure["values"][first][second]
-    return "-" if value is None else float(value)
+    return "-" if value is None else value
 
 
 def _screening_line(screening: Mapping[str, Any]) -> str:

@@ -47,6 +47,9 @@ def dgsm(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 
                     draws=draws, q2_needed=q2_needed)
 
 
+dgsm.needs_independent = True
+
+
 def _star(u: np.ndarray, step: float) -> np.ndarray:
     """Each point (d,) followed by the d points a step away, inwards; shape (run, d + 1, d)."""
     d = u.shape[1]

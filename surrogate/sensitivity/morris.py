@@ -37,3 +37,6 @@ def morris(fit, space: Space, *, seed=0, confidence: float = 0.95, trajectories:
                     {"mu_star": (0.0, np.inf), "mu": (-np.inf, np.inf), "sigma": (0.0, np.inf)})
     return measured(model(fit, space, q2=q2), method, seed=seed, confidence=confidence,
                     replicates=replicates, draws=draws, q2_needed=q2_needed)
+
+
+morris.needs_independent = True

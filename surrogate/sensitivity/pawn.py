@@ -36,3 +36,6 @@ def pawn(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 
     return measured(model(fit, space, q2=q2), method, seed=seed, confidence=confidence,
                     replicates=replicates, draws=draws, q2_needed=q2_needed,
                     slices=slices)
+
+
+pawn.needs_independent = True

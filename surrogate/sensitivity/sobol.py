@@ -50,6 +50,9 @@ def sobol(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int =
                    surrogate_part=spreads[0].how)
 
 
+sobol.needs_independent = True
+
+
 def _estimate(value, half, surrogate: Spread) -> Estimate:
     return Estimate(value, half, surrogate.below, surrogate.above)
 
