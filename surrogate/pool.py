@@ -1,32 +1,28 @@
 """Local worker processes, one pipe each, so that the loss of one harms no other.
 
-Workers are spawned, not forked: a fork copies the parent's threads' locks in
-whatever state they are (BLAS, progress bar), which hangs now and then, and
-limits of threads have to be set before libraries load. Spawning costs an
-interpreter start per worker, once.
+A worker gets several short runs in one message, and tells the end of each at once.
+It gets the next message when it asks for it, so the two never wait for each other.
 """
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import pickle
 import signal
-import sys
 import tempfile
 import time
-import types
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
 
-from surrogate.errors import PluginError, StudyError
+from surrogate.errors import PluginError
 from surrogate.identity import Call, Recipe
 from surrogate.solver import Output
+from surrogate.spawning import parcel, start
 from surrogate.workers import BATCH_SECONDS, Outcome, work
 
 #: Longest pause between two looks at the clock, in seconds.
@@ -53,7 +49,7 @@ Event = tuple[Task, Outcome] | None
 
 @dataclass
 class _Worker:
-    process: multiprocessing.process.BaseProcess
+    process: BaseProcess
     connection: Connection
     printed: Path
     ready: bool = False
@@ -93,7 +89,7 @@ class Pool:
     timeout: float | None = None
 
     def __post_init__(self):
-        self._pickled, self._needs_main = _pickle(self.recipe)
+        self._parcel = parcel(self.recipe)
         self._team: list[_Worker] = []
         self._false_starts = 0
         self._mean_seconds: float | None = None
@@ -124,16 +120,10 @@ class Pool:
             self._team.append(self._start(folder))
 
     def _start(self, folder: Path) -> _Worker:
-        context = multiprocessing.get_context("spawn")
-        ours, theirs = context.Pipe()
         number, printed = tempfile.mkstemp(dir=folder)
         os.close(number)
-        process = context.Process(target=work, name=f"surrogate worker ({self.recipe.name})",
-                                  args=(theirs, self._pickled, self.wanted, self.threads, printed))
-        with nullcontext() if self._needs_main else _main_module_left_alone():
-            process.start()
-        theirs.close()
-        return _Worker(process, ours, Path(printed))
+        process, connection = start(work, self._parcel, self.wanted, self.threads, printed)
+        return _Worker(process, connection, Path(printed))
 
     def _feed(self, queue: deque[Task]) -> None:
         for worker in self._team:
@@ -213,7 +203,7 @@ class Pool:
     def _count_false_start(self, reason: str) -> None:
         """Go on with fewer workers where some work (memory for no more), else give up."""
         self._false_starts += 1
-        if self._needs_main:
+        if self._parcel.needs_main:
             reason += ". It runs the script again to find the solver in it: put the script's own " \
                       'calls below `if __name__ == "__main__":`'
         elif self._false_starts < FALSE_STARTS:
@@ -271,32 +261,3 @@ def _cause(exitcode: int | None) -> str:
         hint = ", which the system sends when memory runs out" if name == "SIGKILL" else ""
         return f"was killed by {name}{hint}"
     return f"was killed by signal {-exitcode}"
-
-
-def _pickle(recipe: Recipe) -> tuple[bytes, bool]:
-    """(build, options) for a worker, and whether it needs the program's main module."""
-    cure = ("workers cannot import it; put it into a module file, or pass an executor "
-            "of threads: executor=ThreadPoolExecutor()")
-    needs_main = getattr(recipe.build, "__module__", None) == "__main__"
-    if needs_main and not hasattr(sys.modules["__main__"], "__file__"):
-        raise StudyError(f"solver {recipe.name} is defined in an interactive session, and {cure}")
-    try:
-        return pickle.dumps((recipe.build, dict(recipe.options))), needs_main
-    except (pickle.PicklingError, AttributeError, TypeError) as error:
-        raise StudyError(f"solver {recipe.name} cannot be sent to workers ({error}): "
-                         f"{cure}") from error
-
-
-@contextmanager
-def _main_module_left_alone() -> Iterator[None]:
-    """Start a process that does not run the program's main module again.
-
-    multiprocessing would import it into every worker: slow for a command, and wrong for
-    a script without `if __name__ == "__main__"`.
-    """
-    main: Any = sys.modules["__main__"]
-    sys.modules["__main__"] = types.ModuleType("__main__")
-    try:
-        yield
-    finally:
-        sys.modules["__main__"] = main

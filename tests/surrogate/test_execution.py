@@ -376,6 +376,39 @@ def test_an_interrupt_ends_cleanly_and_goes_on_later(tmp_path, number):
     resume(log, folder)
 
 
+def children(pid):
+    return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="needs Linux's /proc")
+@pytest.mark.parametrize("delay", [0.0, 0.05, 0.15, 0.3])
+def test_ctrl_c_while_workers_start_leaves_no_tracebacks(tmp_path, delay):
+    """A terminal sends Ctrl-C to all processes of the group, newborn workers included."""
+    script = tmp_path / "program.py"
+    script.write_text(PROGRAM.format(tests=str(Path(__file__).parent),
+                                     diary=str(tmp_path / "diary"), journal=str(tmp_path / "j")))
+    program = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True, start_new_session=True)
+    assert wait_until(lambda: len(children(program.pid)) >= 2, 30.0)
+    time.sleep(delay)
+    os.killpg(program.pid, signal.SIGINT)
+    out, err = program.communicate(timeout=10)
+    assert (program.returncode, err) == (130, "") and out.startswith("stopped: ")
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+def test_kill_9_of_the_parent_ends_programs_that_runs_started(tmp_path):
+    script, log = tmp_path / "program.py", tmp_path / "pid"
+    script.write_text(PROGRAM.format(tests=str(Path(__file__).parent), diary=str(log),
+                                     journal=str(tmp_path / "j"))
+                      .replace("np.arange(60.0)}", "[1.0], 'way': ['child']}"))
+    program = subprocess.Popen([sys.executable, str(script)])
+    assert wait_until(lambda: log.exists() and log.read_text().isdigit(), 30.0)
+    program.kill()
+    program.wait()
+    assert wait_until(lambda: ended(int(log.read_text())))
+
+
 def test_killed_workers_cost_their_run_only(tmp_path):
     """Workers killed from outside at random times: a failed run each at most, all others good."""
     program, log, folder = start_program(tmp_path)
