@@ -21,6 +21,7 @@ from zipfile import ZipFile
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial import ConvexHull
+from slicing import cut
 from wheel import open_wheel
 
 from solvers.leg_bandage import section
@@ -51,16 +52,6 @@ def read_bone(wheel: ZipFile, name: str) -> np.ndarray:
     """Triangles in mm: x lateral, y anterior, z up from the knee."""
     triangles = read_stl(wheel.read(f"myo_sim/models/meshes/{name}.stl"))
     return 1000 * triangles[..., [2, 0, 1]]
-
-
-def cut(triangles: np.ndarray, z: float) -> np.ndarray:
-    """Points (n, 2) where the edges of the triangles pass the height z."""
-    start = triangles.reshape(-1, 3)
-    end = np.roll(triangles, -1, axis=1).reshape(-1, 3)
-    crossing = (start[:, 2] - z) * (end[:, 2] - z) < 0
-    start, end = start[crossing], end[crossing]
-    share = (z - start[:, 2]) / (end[:, 2] - start[:, 2])
-    return (start + share[:, None] * (end - start))[:, :2]
 
 
 @dataclass(frozen=True)
