@@ -60,7 +60,7 @@ def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> 
         reading = (f"with {confidence} intervals; filled where zero lies outside the interval"
                    if intervals else "without intervals, because no runs are left to judge them by")
         parts.append(Figures((Figure(
-            coefficient_plot([terms[k] for k in known],
+            coefficient_plot([_term(terms[k]) for k in known],
                              *(columns[key][known] for key in ("coefficient", "low", "high")),
                              unit, name),
             f"Coefficients of {name} in coded units (half the change of {output} from the "

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import xarray as xr
 
@@ -25,31 +27,53 @@ def blocks(content: Content, output: str) -> list:
     if values.ndim > 3:
         return [*result, Text(f"{output} has {len(dims)} dimensions ({', '.join(dims)}); fields of "
                               "more than two are not drawn.", "note")]
-    scores, how = point_q2(content, output)
     axes = [_axis(content.runs, dim) for dim in dims]
     draw = _lines if len(dims) == 1 else _maps
-    return [*result, Figures(tuple(draw(content, output, values, scores, how, axes)))]
+    return [*result, Figures(tuple(draw(content, output, values, judged(content, output), axes)))]
 
 
-def point_q2(content: Content, output: str) -> tuple[np.ndarray | None, str]:
-    """Q2 of the best surrogate at each point of the field, and on which runs; or None.
+@dataclass(frozen=True)
+class Judged:
+    """Fields that the best surrogate has not seen, beside what it says of them.
 
-    On held-out runs where there are at least two, otherwise on the training runs,
-    each predicted by a fit without its fold. NaN where the field does not vary.
+    run (n,) numbers, values and predicted (n, ...), how: which surrogate, on which runs.
     """
+
+    run: np.ndarray
+    values: np.ndarray
+    predicted: np.ndarray
+    how: str
+
+    @property
+    def q2(self) -> np.ndarray:
+        """Q2 at each point of the field; NaN where the field does not vary."""
+        return _q2(self.values, self.predicted)
+
+    @property
+    def worst(self) -> int:
+        """Row of the largest root mean square error."""
+        errors = (self.values - self.predicted).reshape(len(self.run), -1)
+        return int((errors**2).mean(axis=1).argmax())
+
+
+def judged(content: Content, output: str) -> Judged | None:
+    """Held-out runs where there are at least two, otherwise cross-validation; or None."""
     best = content.best(output)
     if best is None:
-        return None, ""
+        return None
     fit = content.fits_of(output)[best]
     finished = content.finished(output)
-    coded, values = content.coded[finished], content.values(output)[finished]
-    held = rows_learnt(fit, coded) < 0
+    numbers, coded, values = (part[finished] for part in
+                              (content.numbers, content.coded, content.values(output)))
+    rows = rows_learnt(fit, coded)
+    held = rows < 0
     if held.sum() >= 2:
-        return _q2(values[held], fit.predict(coded[held])), f"{best}, on the held-out runs"
-    left_out = np.asarray(fit.left_out)
-    if np.isfinite(left_out).all():
-        return _q2(fit.values, left_out), f"{best}, by cross-validation"
-    return None, ""
+        return Judged(numbers[held], values[held], np.asarray(fit.predict(coded[held])),
+                      f"{best}, on the held-out runs")
+    if (~held).any() and np.isfinite(fit.left_out).all():
+        return Judged(numbers[~held], values[~held], np.asarray(fit.left_out)[rows[~held]],
+                      f"{best}, by cross-validation")
+    return None
 
 
 def _q2(values: np.ndarray, predicted: np.ndarray) -> np.ndarray:
@@ -68,35 +92,48 @@ def _axis(runs: xr.Dataset, dim: str) -> tuple[np.ndarray, str]:
     return np.arange(runs.sizes[dim], dtype=float), f"{dim} (number)"
 
 
-def _lines(content, output, values, scores, how, axes) -> list[Figure]:
+def _lines(content, output, values, seen: Judged | None, axes) -> list[Figure]:
     (x, x_label), = axes
-    unit = digits.labelled(output, content.unit(output))
+    label = digits.labelled(output, content.unit(output))
     mean, spread = values.mean(axis=0), values.std(axis=0)
-    figures = [Figure(field_line(x, {"curve": mean}, x_label, unit, f"Mean of {output}",
+    figures = [Figure(field_line(x, {"curve": mean}, x_label, label, f"Mean of {output}",
                                  band=(mean - spread, mean + spread)),
                       f"Mean of {output} over the finished runs, and one standard deviation "
                       "about it.")]
-    if scores is not None:
-        figures.append(Figure(
-            field_line(x, {"curve": scores}, x_label, "Q² (–)", f"Q2 of {output} at each point",
-                       y_span=_q2_span(scores)), f"Q² at each point: {how}.{_worst(scores)}"))
-    return figures
+    if seen is None:
+        return figures
+    k = seen.worst
+    curves = {"curve": seen.values[k], "curve dashed": seen.predicted[k]}
+    return [*figures,
+            Figure(field_line(x, {"curve": seen.q2}, x_label, "Q² (–)",
+                              f"Q2 of {output} at each point", y_span=_q2_span(seen.q2)),
+                   f"Q² at each point: {seen.how}.{_worst(seen.q2)}"),
+            Figure(field_line(x, curves, x_label, label, f"Worst run of {output}"),
+                   f"Run {seen.run[k]}, where the surrogate is worst: solver (solid) and "
+                   f"surrogate (dashed); {seen.how}.")]
 
 
-def _maps(content, output, values, scores, how, axes) -> list[Figure]:
+def _maps(content, output, values, seen: Judged | None, axes) -> list[Figure]:
     (y, y_label), (x, x_label) = axes
     unit = digits.unit(content.unit(output)) or digits.NOTHING
-    mean, spread = values.mean(axis=0), values.std(axis=0)
-    figures = [
-        Figure(field_map(x, y, mean, x_label, y_label, unit, f"Mean of {output}"),
-               f"Mean of {output} over the finished runs."),
-        Figure(field_map(x, y, spread, x_label, y_label, unit, f"Standard deviation of {output}"),
-               f"Standard deviation of {output} over the finished runs.")]
-    if scores is not None:
-        figures.append(Figure(
-            field_map(x, y, scores, x_label, y_label, "Q² (–)", f"Q2 of {output} at each point",
-                      limits=_q2_span(scores)), f"Q² at each point: {how}.{_worst(scores)}"))
-    return figures
+
+    def draw(field: np.ndarray, key: str, what: str, limits=None):
+        return field_map(x, y, field, x_label, y_label, key, f"{what} of {output}", limits=limits)
+
+    figures = [Figure(draw(values.mean(axis=0), unit, "Mean"),
+                      f"Mean of {output} over the finished runs."),
+               Figure(draw(values.std(axis=0), unit, "Standard deviation"),
+                      f"Standard deviation of {output} over the finished runs.")]
+    if seen is None:
+        return figures
+    k = seen.worst
+    missed = np.abs(seen.values[k] - seen.predicted[k])
+    return [*figures,
+            Figure(draw(seen.q2, "Q² (–)", "Q2 at each point", _q2_span(seen.q2)),
+                   f"Q² at each point: {seen.how}.{_worst(seen.q2)}"),
+            Figure(draw(missed, unit, "Largest errors", (0.0, float(missed.max()) or 1.0)),
+                   f"Run {seen.run[k]}, where the surrogate is worst: size of its error at each "
+                   f"point; {seen.how}.")]
 
 
 def _q2_span(scores: np.ndarray) -> tuple[float, float]:

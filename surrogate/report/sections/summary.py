@@ -11,7 +11,7 @@ from surrogate.report.sections import screening
 from surrogate.report.sections.accuracy import margin
 from surrogate.report.sections.designs import roman
 from surrogate.report.sections.indices import DECIMALS, of_output, refusal
-from surrogate.report.sections.measures import index, measures_of, method_of, names_of
+from surrogate.report.sections.measures import index, measures_of, method_of, names_of, unit_of
 from surrogate.sensitivity.screening import Screening
 
 #: Names written out in a sentence.
@@ -103,7 +103,8 @@ def _matters(content: Content, output: str, suffix: str) -> Fact:
                                    most=DECIMALS) for k in order[:3]]
     words = [f"{names[k]} {share}" for k, share in zip(order[:3], shares, strict=True)]
     return Fact(title, names[order[0]],
-                f"{leading.replace('_', ' ').capitalize()}, largest first: {'; '.join(words)}.")
+                f"{digits.labelled(leading, unit_of(leading, table, content.unit(output)))}, "
+                f"largest first: {'; '.join(words)}.")
 
 
 def _frozen(decision: Screening) -> Fact:

@@ -7,11 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import fraction
 from reader import read
 
 from surrogate import report
 from surrogate.report import digits
 from surrogate.report.parity import parity
+from surrogate.report.sections.fields import judged
 from surrogate.sensitivity.one_at_a_time import one_at_a_time
 
 
@@ -148,7 +150,6 @@ def axis(drawing, place: str) -> tuple[float, float]:
 
 def test_saturated_fit_and_aliases_are_said(study):
     """Eight runs of a 2^(7-4) fraction for eight coefficients: saturated, resolution III."""
-    from conftest import fraction
     content = study(train=fraction()[:8], test=0, surrogates=("linear",), sensitivity=False)
     tree = read(report.build(content).html)
     answer = next(tree.all("section", id="answer")).text
@@ -172,16 +173,17 @@ def test_refused_indices_are_stamped(study):
 
 def test_point_q2_of_a_field(study):
     """Q2 at each point is 1 - SSE / SST over the held-out runs, computed here point by point."""
-    from surrogate.report.sections.fields import point_q2
     content = study(outputs=("pressure_line",), surrogates=("linear",))
-    scores, how = point_q2(content, "pressure_line")
+    seen = judged(content, "pressure_line")
     held = content.words("design") == "test"
     values = content.values("pressure_line")[held]
     predicted = content.fits["linear"]["pressure_line"].predict(content.coded[held])
     k = 7
     wrong = sum((values[i, k] - predicted[i, k]) ** 2 for i in range(20))
     total = sum((values[i, k] - values[:, k].mean()) ** 2 for i in range(20))
-    assert scores[k] == pytest.approx(1.0 - wrong / total) and "held-out" in how
+    assert seen.q2[k] == pytest.approx(1.0 - wrong / total) and "held-out" in seen.how
+    errors = [np.abs(values[i] - predicted[i]).mean() for i in range(20)]
+    assert content.numbers[held][int(np.argmax(errors))] == seen.run[seen.worst]
 
 
 def test_any_measure_is_drawn_with_its_unit(study):
