@@ -59,6 +59,10 @@ class Leg:
     def from_alphas(cls, length: float, alphas, basis: Basis | None = None) -> Leg:
         """The leg of this length (mm) and these shape coordinates; basis: the shipped one."""
         basis = shipped_basis() if basis is None else basis
+        known = basis.modes.shape[1]
+        if len(alphas) > known:
+            raise SolverError(f"{len(alphas)} alphas for a basis of {known} modes: give at most "
+                              f"{known}, or a basis with more modes")
         sections = sections_of(basis.reconstruct(np.asarray(alphas, float)), length)
         return cls(float(length), *sections, alphas=tuple(map(float, alphas)))
 

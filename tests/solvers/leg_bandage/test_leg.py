@@ -114,3 +114,5 @@ def test_wrong_sections_are_refused_with_a_sentence():
         Leg.from_sections(200.0, np.zeros((100, 13)), np.zeros((100, 2)))
     with pytest.raises(SolverError, match="9 sections are too few"):
         Leg.from_sections(200.0, np.ones((9, 11)), np.zeros((9, 2)))
+    with pytest.raises(SolverError, match="5 alphas for a basis of 4 modes"):
+        Leg.from_alphas(200.0, (-0.7, 0.0, 0.0, 0.0, 0.0))
