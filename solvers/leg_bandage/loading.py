@@ -27,7 +27,7 @@ def hold(model: Model, u: np.ndarray) -> np.ndarray:
         contact.hold()
     problem.viscosity.coefficient = 0.0
     try:
-        u, _ = problem.newton(u)
+        u, _ = problem.newton(u, problem.tolerances.passing)
     except NotConverged as failure:
         raise _failed(model, "holding the bandage as laid", failure) from failure
     problem.cost.steps += 1

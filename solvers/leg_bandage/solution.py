@@ -24,7 +24,8 @@ from surrogate.errors import SolverError
 class Tolerances:
     """When a state counts as in equilibrium, and what a step may cost.
 
-    force        largest unbalanced nodal force, N
+    force        largest unbalanced nodal force of a state, N
+    passing      the same for a step on the way, N
     rest         largest viscous traction at rest, MPa
     iterations   Newton iterations in a step
     longest      longest move of a node in one iteration, mm
@@ -33,11 +34,16 @@ class Tolerances:
     """
 
     force: float = 1e-5
+    passing: float = 1e-3
     rest: float = 2e-6
     iterations: int = 16
     longest: float = 4.0
     steps: int = 80
     viscosity: tuple[float, float] = (1e-6, 0.5)
+
+
+FASTEST = 32
+"""By how much the viscosity falls after a step that converged easily."""
 
 
 @dataclass
@@ -134,13 +140,16 @@ class Problem:
         for part, old in zip((*self.inner, *self.contacts), state, strict=True):
             part.restore(old)
 
-    def newton(self, u):
+    def newton(self, u, force: float | None = None):
         """Equilibrium at the present laws and viscosity from u; returns u and iterations.
+
+        force is the largest unbalanced nodal force, N; default: that of a final state.
 
         Steps are capped in length, not forced to lower the residual: contact that closes
         raises it for an iteration or two (non-monotone). Raises NotConverged.
         """
         limits, best = self.tolerances, np.inf
+        force = limits.force if force is None else force
         residual, packed = self._residual(u)
         for iteration in range(1, limits.iterations + 1):
             du = self._increment(residual, packed)
@@ -148,7 +157,7 @@ class Problem:
             u, residual, packed, step = self._moved(u, du, step)
             size = self._size(residual)
             self.cost.iterations += 1
-            if size < limits.force and step > 0.99:
+            if size < force and step > 0.99:
                 return u, iteration
             if not np.isfinite(size) or (iteration > 8 and size > 1e3 * best):
                 break
@@ -209,8 +218,9 @@ def creep(problem: Problem, u, viscosity: float, watch: Callable | None = None):
     for step in range(limits.steps):
         drag.coefficient, drag.origin = viscosity, u
         state = problem.state()
+        last_step = viscosity <= smallest
         try:
-            new, iterations = problem.newton(u)
+            new, iterations = problem.newton(u, limits.force if last_step else limits.passing)
         except NotConverged as failure:
             problem.restore(state)
             cost.cut_backs += 1
@@ -225,8 +235,8 @@ def creep(problem: Problem, u, viscosity: float, watch: Callable | None = None):
         u = new
         if watch:
             watch(step, viscosity, move, iterations)
-        if viscosity * move < limits.rest:
+        if last_step and viscosity * move < limits.rest:
             return u, viscosity * move
         if iterations < 14:
-            viscosity = max(viscosity / (8 if iterations < 9 else 3), smallest)
+            viscosity = max(viscosity / (FASTEST if iterations < 9 else 4), smallest)
     raise last
