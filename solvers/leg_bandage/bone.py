@@ -6,7 +6,7 @@ slim legs pierce the skin. `tools/build_bones.py` rebuilds it from public meshes
 
 A hollow in the skin may still come nearer to the bones than any tissue is thin. There the
 section of the bones shrinks about its own centre until LEAST_COVER is left. No shipped leg
-needs it; the corners of their range need 5 %; `feasibility.py` refuses what needs 15 %.
+needs it; the corners of their range need up to 9 %; `feasibility.py` refuses beyond 15 %.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from solvers.leg_bandage.leg import Leg
 from surrogate.errors import SolverError
 
 LEAST_RADIUS = 12.0
-"""mm from the centre line to the skin; the shipped legs keep 21 mm."""
+"""mm from the centre line to the skin; the shipped legs keep 22 mm."""
 
 LEAST_SHRINKAGE = 0.85
 """Bones smaller than this part of their size are not those of the leg."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -99,7 +100,7 @@ class Disc:
         d theta / ds = 1 / |dw / d theta|, along the height by the slant of the skin at
         the centre.
         """
-        nodes, weights = np.polynomial.legendre.leggauss(rings)
+        nodes, weights = _gauss(rings)
         ring = self.diameter / 2 * np.sqrt((nodes + 1) / 2)
         angle = 2 * np.pi * (np.arange(spokes) + 0.5) / spokes
         along = np.outer(ring, np.cos(angle)).ravel()
@@ -112,6 +113,12 @@ class Disc:
         """Which points of the skin (theta, z broadcast) the disc covers; by straight distance."""
         away = leg.surface(theta, z) - leg.surface(self.theta, self.z)
         return np.linalg.norm(away, axis=-1) <= self.diameter / 2
+
+
+@cache
+def _gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss-Legendre nodes and weights on [-1, 1]."""
+    return np.polynomial.legendre.leggauss(n)
 
 
 def _walk(leg: Leg, start: float, z: np.ndarray, along: np.ndarray) -> np.ndarray:

@@ -28,14 +28,23 @@ def complex_series(coefficients: np.ndarray) -> np.ndarray:
 def radius(coefficients: np.ndarray, theta: np.ndarray, derivative: int = 0) -> np.ndarray:
     """r, or a derivative of it along theta; shapes (..., 11) and (...) broadcast."""
     terms = complex_series(coefficients) * (1j * ORDERS) ** derivative
-    return np.sum(terms * np.exp(1j * ORDERS * np.asarray(theta)[..., None]), axis=-1).real
+    return _sum(terms, ORDERS, theta).real
 
 
 def curve(coefficients: np.ndarray, theta: np.ndarray, derivative: int = 0) -> np.ndarray:
     """w about the centre (x0 = y0 = 0), or a derivative of it along theta; complex."""
     orders = ORDERS + 1
     terms = complex_series(coefficients) * (1j * orders) ** derivative
-    return np.sum(terms * np.exp(1j * orders * np.asarray(theta)[..., None]), axis=-1)
+    return _sum(terms, orders, theta)
+
+
+def _sum(terms: np.ndarray, orders: np.ndarray, theta: np.ndarray) -> np.ndarray:
+    """Sum of terms (..., 11) times e^(i order theta), by powers of one exponential."""
+    turn = np.exp(1j * np.asarray(theta, float))
+    total = terms[..., -1] + 0 * turn
+    for k in range(len(orders) - 2, -1, -1):
+        total = total * turn + terms[..., k]
+    return total * np.exp(1j * orders[0] * np.asarray(theta, float))
 
 
 def curvature(coefficients: np.ndarray, theta: np.ndarray) -> np.ndarray:
