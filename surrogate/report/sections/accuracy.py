@@ -99,9 +99,10 @@ def _calibration(content: Content, output: str) -> list[Figure]:
 
 
 def _held_out(content: Content, output: str) -> int:
-    """Number of finished runs that the best surrogate has not seen."""
-    fit = content.fits_of(output)[content.best(output)]
-    return int((rows_learnt(fit, content.coded[content.finished(output)]) < 0).sum())
+    """Number of finished runs that no surrogate of the output has seen."""
+    points = content.coded[content.finished(output)]
+    seen = [rows_learnt(fit, points) >= 0 for fit in content.fits_of(output).values()]
+    return int((~np.any(seen, axis=0)).sum())
 
 
 def _parities(content: Content, output: str, names: list[str]) -> list:
@@ -133,7 +134,8 @@ def _reading(data: Parity) -> str:
     said = []
     if (~data.learnt).any():
         bars = " with 95 % intervals" if np.isfinite(data.half[~data.learnt]).any() else ""
-        said.append(f"Filled: {digits.quantity(int((~data.learnt).sum()), 'held-out run')}{bars}.")
+        unseen = digits.quantity(int((~data.learnt).sum()), "run")
+        said.append(f"Filled: {unseen} that it has not seen{bars}.")
     if data.learnt.any():
         how = ("each predicted without itself" if data.honest
                else "learnt from, so closer than new points will be")
@@ -148,6 +150,6 @@ def _pattern(data: Parity, unit: str) -> str:
     if not np.isfinite(residual).any():
         return ""
     worst = int(np.nanargmax(np.abs(residual)))
-    where = "held-out run" if held.any() else "run"
+    where = "unseen run" if held.any() else "run"
     return (f"The worst {where} is {data.run[worst]}: "
             f"{digits.with_unit(digits.figure(data.residual[worst]), unit)}.")

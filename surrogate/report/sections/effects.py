@@ -81,7 +81,7 @@ def _table(table: xr.Dataset, terms: list[str], unit: str, name: str) -> Table:
             _number(digits.figure(get["t"][k]), get["t"][k]),
             _number(digits.p_value(get["p"][k]), get["p"][k]),
             _number(digits.interval(get["low"][k], get["high"][k]), get["low"][k]),
-            _number(digits.figure(get["vif"][k]), get["vif"][k])))
+            _number(digits.fixed(get["vif"][k], 2), get["vif"][k])))
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
     titles = ("term", digits.labelled("coefficient", unit), "standard error", "t", "p",
               f"{confidence} interval", "VIF")

@@ -57,7 +57,7 @@ class Judged:
 
 
 def judged(content: Content, output: str) -> Judged | None:
-    """Held-out runs where there are at least two, otherwise cross-validation; or None."""
+    """Runs that the fit has not seen where there are two, otherwise cross-validation; or None."""
     best = content.best(output)
     if best is None:
         return None
@@ -69,7 +69,7 @@ def judged(content: Content, output: str) -> Judged | None:
     held = rows < 0
     if held.sum() >= 2:
         return Judged(numbers[held], values[held], np.asarray(fit.predict(coded[held])),
-                      f"{best}, on the held-out runs")
+                      f"{best}, on {held.sum()} runs that it has not seen")
     if (~held).any() and np.isfinite(fit.left_out).all():
         return Judged(numbers[~held], values[~held], np.asarray(fit.left_out)[rows[~held]],
                       f"{best}, by cross-validation")

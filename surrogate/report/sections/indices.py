@@ -99,7 +99,8 @@ def _bars_caption(table: xr.Dataset, freeze_below: float | None) -> str:
 
 
 def _parts_caption(table: xr.Dataset, total: dict) -> str:
-    how = str(table.attrs.get("surrogate_part", ""))
+    told = str(table.attrs.get("surrogate_part", ""))
+    how = told.partition(";")[0] + (" and what it misses" if "missed variance" in told else "")
     exact = not np.nan_to_num(total["sampling"]).any()
     sampling = "closed form, no sampling" if exact else "from the finite sample"
     return (f"What the intervals of the total indices are made of. Dark: sampling part "
@@ -108,11 +109,16 @@ def _parts_caption(table: xr.Dataset, total: dict) -> str:
 
 def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Table:
     order = np.argsort(-np.nan_to_num(total["value"], nan=-1.0), kind="stable")
-    titles = ["parameter", "first order (interval)", "±\u00a0sampling", "±\u00a0surrogate",
-              "total (interval)", "±\u00a0sampling", "±\u00a0surrogate"]
-    rows = [[Cell(names[k]), *_numbers(first, k), *_numbers(total, k)] for k in order]
+    # A closed form has no sampling part, and a column of zeros would only take room.
+    parts = [part for part in ("sampling", "surrogate")
+             if np.nan_to_num(np.concatenate([first[part], total[part]])).any()]
+    titles = ["parameter"]
+    for title in ("first order (interval)", "total (interval)"):
+        titles += [title, *(f"±\u00a0{part}" for part in parts)]
+    rows = [[Cell(names[k]), *_numbers(first, k, parts), *_numbers(total, k, parts)]
+            for k in order]
     caption = ("First-order and total indices with their intervals, and the half-widths of the "
-               "two parts of each interval.")
+               f"{'two parts' if len(parts) == 2 else 'parts'} of each interval.")
     if np.isfinite(worst).any():
         titles.append("total at worst")
         rows = [[*row, Cell(digits.figure(worst[k], 2), sort_key(worst[k]))]
@@ -123,12 +129,12 @@ def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Tab
                  tuple(map(tuple, rows)), sortable=len(rows) > 3)
 
 
-def _numbers(values: dict, k: int) -> list[Cell]:
+def _numbers(values: dict, k: int, parts: list[str]) -> list[Cell]:
     whole = digits.with_interval(*(values[part][k] for part in ("value", "low", "high")),
                                  most=DECIMALS)
     return [Cell(whole, sort_key(values["value"][k])),
             *(Cell(digits.figure(values[part][k], 2), sort_key(values[part][k]))
-              for part in ("sampling", "surrogate"))]
+              for part in parts)]
 
 
 def _interactions(names: list[str], second: dict) -> Table:

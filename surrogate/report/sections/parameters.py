@@ -26,8 +26,11 @@ def _parameters(content: Content) -> Table:
     table = heads(*titles, *(["meaning"] if described else []), names=2)
     words = tuple(h if k in (2, 3) else type(h)(h.words, numeric=False)
                   for k, h in enumerate(table))
-    return Table("What varies. Everything else keeps the solver's nominal value.", words,
-                 tuple(rows))
+    rest = ("Everything else keeps the solver's nominal value."
+            if content.runs.attrs.get("constants", "{}") == "{}" else
+            "Everything else keeps the study's constants (see Provenance) or the solver's nominal "
+            "value.")
+    return Table(f"What varies. {rest}", words, tuple(rows))
 
 
 def _row(parameter: Parameter, described: bool) -> tuple[Cell, ...]:

@@ -105,7 +105,8 @@ def _cost(decision: Screening) -> Table:
 
 def share_kept(kept: VarianceKept) -> str:
     """`98.1 % (97.5 to 98.6)`."""
-    whole = digits.with_interval(*(100.0 * end for end in (kept.share, kept.low, kept.high)))
+    whole = digits.with_interval(*(100.0 * end for end in (kept.share, kept.low, kept.high)),
+                                 most=2)
     value, _, ends = whole.partition(" (")
     return f"{value}{digits.THIN}%" + (f" ({ends}" if ends else "")
 

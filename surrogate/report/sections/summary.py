@@ -102,9 +102,9 @@ def _matters(content: Content, output: str, suffix: str) -> Fact:
     shares = [digits.with_interval(*(total[part][k] for part in ("value", "low", "high")),
                                    most=DECIMALS) for k in order[:3]]
     words = [f"{names[k]} {share}" for k, share in zip(order[:3], shares, strict=True)]
-    return Fact(title, names[order[0]],
-                f"{digits.labelled(leading, unit_of(leading, table, content.unit(output)))}, "
-                f"largest first: {'; '.join(words)}.")
+    what = ("Total indices" if leading == "total"
+            else digits.labelled(leading, unit_of(leading, table, content.unit(output))))
+    return Fact(title, names[order[0]], f"{what}, largest first: {'; '.join(words)}.")
 
 
 def _frozen(decision: Screening) -> Fact:
