@@ -13,7 +13,7 @@ this form.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,13 +36,21 @@ class SobolIndices:
 
 
 def quadratures(space: Space | None, size: int, order: int) -> list[tuple]:
-    """Nodes (m,) and weights (m,) for each input; without a space, uniform on [-1, 1]."""
+    """Nodes (m,) and weights (m,) of each input's law, for independent inputs.
+
+    Without a space, uniform on [-1, 1]. Raises `FitError` when inputs are correlated.
+    """
+    if space is not None and not space.independent:
+        raise FitError("closed-form Sobol' indices need independent parameters, but these are "
+                       "correlated; use Shapley effects")
+    return marginals(space, size, order)
+
+
+def marginals(space: Space | None, size: int, order: int) -> list[tuple]:
+    """Nodes (m,) and weights (m,) of each input's law, whatever joins the inputs."""
     if space is None:
         nodes, weights = np.polynomial.legendre.leggauss(order)
         return [(nodes, weights / 2.0)] * size
-    if not space.independent:
-        raise FitError("closed-form Sobol' indices need independent parameters, but these are "
-                       "correlated; use Shapley effects")
     return [parameter.quadrature(order) for parameter in space.parameters]
 
 
@@ -53,47 +61,67 @@ def sobol_indices(coefficients, factors, weights) -> SobolIndices:
     factors       d arrays (T, m_j): g_tj at the nodes of input j
     weights       d arrays (m_j,): quadrature weights of input j, each summing to 1
     """
-    c = np.asarray(coefficients, dtype=float)
+    return sobol_indices_of_many(np.asarray(coefficients)[:, None], factors, weights)[0]
+
+
+def sobol_indices_of_many(coefficients, factors, weights) -> list[SobolIndices]:
+    """Indices of functions with the same factors: coefficients (T, functions).
+
+    Terms may be complex as long as each function is real.
+    """
+    c, size = np.asarray(coefficients), len(factors)
     means = np.array([g @ w for g, w in zip(factors, weights, strict=True)])
     centred = [g - m[:, None] for g, m in zip(factors, means, strict=True)]
     variance, unexplained = _total_variances(c, means, centred, weights)
-    size = len(factors)
-    mean = float(c @ means.prod(axis=0))
-    # A variance within rounding of the terms' own size is that of a constant.
-    if not variance > 1e-28 * float((np.abs(c) @ np.abs(means).prod(axis=0)) ** 2):
-        return SobolIndices(np.zeros(size), np.zeros(size), np.zeros((size, size)), 0.0, mean)
-    alone, pairs = np.zeros(size), np.zeros((size, size))
+    alone, pairs = np.zeros((size, c.shape[1])), np.zeros((size, size, c.shape[1]))
     for i in range(size):
-        scaled = c * np.delete(means, i, axis=0).prod(axis=0)
-        alone[i] = weights[i] @ (scaled @ centred[i]) ** 2
+        scaled = c.T * np.delete(means, i, axis=0).prod(axis=0)
+        alone[i] = (scaled @ centred[i]).real ** 2 @ weights[i]
         for j in range(i):
-            scaled = c * np.delete(means, [i, j], axis=0).prod(axis=0)
-            surface = (centred[i].T * scaled) @ centred[j]
-            pairs[i, j] = pairs[j, i] = weights[i] @ surface**2 @ weights[j]
-    return SobolIndices(alone / variance, unexplained / variance, pairs / variance,
-                        variance, mean)
+            scaled = c.T * np.delete(means, [i, j], axis=0).prod(axis=0)
+            pairs[i, j] = pairs[j, i] = [
+                weights[i] @ ((centred[i].T * one) @ centred[j]).real ** 2 @ weights[j]
+                for one in scaled]
+    base = means.prod(axis=0)
+    # A variance within rounding of the terms' own size is that of a constant.
+    floor = 1e-28 * (np.abs(c).T @ np.abs(base)) ** 2
+    known = variance > floor
+    share = np.where(known, 1.0 / np.where(known, variance, 1.0), 0.0)
+    mean = (base @ c).real
+    return [SobolIndices(alone[:, k] * share[k], unexplained[:, k] * share[k],
+                         pairs[:, :, k] * share[k], float(variance[k] * known[k]),
+                         float(mean[k])) for k in range(c.shape[1])]
 
 
-def _total_variances(c, means, centred, weights) -> tuple[float, np.ndarray]:
-    """Var f and E[Var(f | all but x_i)] (d,).
+def shifted(indices: SobolIndices, constant: float) -> SobolIndices:
+    """Indices of the same function plus a constant."""
+    return replace(indices, mean=indices.mean + constant)
+
+
+def _total_variances(c, means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
+    """Var f (functions,) and E[Var(f | all but x_i)] (d, functions).
 
     With C_j the covariances (T, T) of the factors of input j and M_j = C_j + m_j m_j'
     their second moments, E[Var(f | x_~i)] = c' (C_i o prod_{j != i} M_j) c, and Var f
     telescopes over the inputs: sum_i c' (C_i o prod_{j < i} M_j o prod_{j > i} m_j m_j') c,
     so that no large numbers are subtracted.
     """
-    size, variance = len(centred), 0.0
+    size, variance = len(centred), np.zeros(c.shape[1])
     below = [np.ones((len(c), len(c)))]
     for j in range(size - 1):
         below.append(below[-1] * _moments(centred[j], weights[j], means[j]))
-    above, unexplained = np.outer(c, c), np.zeros(size)
+    above, unexplained = np.ones((len(c), len(c))), np.zeros((size, c.shape[1]))
     for i in reversed(range(size)):
         varying = ((centred[i] * weights[i]) @ centred[i].T) * below[i]
-        unexplained[i] = max((varying * above).sum(), 0.0)
-        fixed = c * means[i + 1:].prod(axis=0)
-        variance += float(fixed @ varying @ fixed)
-        above *= _moments(centred[i], weights[i], means[i])
+        unexplained[i] = np.maximum(_quadratic(varying * above, c), 0.0)
+        variance += _quadratic(varying, means[i + 1:].prod(axis=0)[:, None] * c)
+        above = above * _moments(centred[i], weights[i], means[i])
     return variance, unexplained
+
+
+def _quadratic(matrix, c) -> np.ndarray:
+    """c_k' matrix c_k for each column of c (T, functions)."""
+    return (c * (matrix @ c)).sum(axis=0).real
 
 
 def _moments(centred, weights, mean) -> np.ndarray:

@@ -15,7 +15,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.errors import nearest
-from surrogate.regressors import anova, portable
+from surrogate.regressors import anova, paths, portable
 from surrogate.regressors.columns import columns, expand
 from surrogate.regressors.matern import Posterior, condition, correlation, weighted_sum
 from surrogate.regressors.polynomial import design_matrix, linear_terms
@@ -75,13 +75,13 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             raise ValueError(f"nugget {self.nugget}: give 'estimate' or a number above 0, "
                              "such as 1e-8")
 
-    def _trend_columns(self, points: np.ndarray) -> np.ndarray:
+    def trend_columns(self, points: np.ndarray) -> np.ndarray:
         """F (n, q): ones, and the columns for a linear trend."""
         return design_matrix(self._trend_terms(), points)
 
     def _checked_trend(self, points: np.ndarray) -> np.ndarray:
         """F (n, q) of training points, which must determine the trend."""
-        F = self._trend_columns(points)
+        F = self.trend_columns(points)
         if len(F) <= F.shape[1] or np.linalg.matrix_rank(F) < F.shape[1]:
             raise ValueError(f"{len(F)} runs cannot determine a {self.trend} trend with "
                              f"{F.shape[1]} coefficients; add runs or use trend: constant")
@@ -146,18 +146,21 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
     def predict(self, X, return_std=False):
         """Values (m,) at coded X (m, d); with the standard deviation of a new run."""
         check_is_fitted(self)
-        X = validate_data(self, X, reset=False)
-        points = expand(X, self.columns_)
-        F = self._trend_columns(points)
+        points = self.expanded(X)
+        F = self.trend_columns(points)
         mean = F @ self.trend_ + weighted_sum(points, self.points_, self.lengths_,
                                               self.state_.weights)
         mean = self.offset_ + self.scale_ * mean
         return (mean, self._std(points, F)) if return_std else mean
 
+    def expanded(self, X) -> np.ndarray:
+        """Numeric columns (m, c) of coded points (m, d)."""
+        return expand(validate_data(self, X, reset=False), self.columns_)
+
     def _std(self, points: np.ndarray, F: np.ndarray) -> np.ndarray:
         """Standard deviation of a new run (Santner et al. 2018, equation 3.2.8), in blocks."""
         variance, step = np.empty(len(points)), 2048
-        solved = linalg.cho_solve((self.state_.factor, True), self._trend_columns(self.points_))
+        solved = linalg.cho_solve((self.state_.factor, True), self.trend_columns(self.points_))
         for start in range(0, len(points), step):
             part = slice(start, start + step)
             cross = correlation(points[part], self.points_, self.lengths_)
@@ -197,7 +200,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         other._set(other._search(self.logs_[None]))
         points = self.points_[inside]
         return self.offset_ + self.scale_ * (
-            other._trend_columns(points) @ other.trend_
+            other.trend_columns(points) @ other.trend_
             + weighted_sum(points, other.points_, other.lengths_, other.state_.weights))
 
     def _closed(self, folds: np.ndarray) -> np.ndarray:
@@ -209,20 +212,32 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             error[inside] = np.linalg.solve(block, self.state_.weights[inside])
         return self.offset_ + self.scale_ * (self.standard_ - error)
 
+    def posterior_draws(self, size: int, seed=None) -> list[paths.Draw]:
+        """Functions that are as plausible as the mean, given the runs.
+
+        Each offers `predict(X)` and `sobol_indices()`; see `surrogate.regressors.paths`.
+        """
+        check_is_fitted(self)
+        drawn = paths.draw(self, size, seed)
+        return [paths.Draw(drawn, number) for number in range(size)]
+
     def sobol_indices(self) -> anova.SobolIndices:
         """Exact Sobol' indices of the mean under the space's law."""
         check_is_fitted(self)
         rules = anova.quadratures(self.space, self.n_features_in_, QUADRATURE)
-        factors = [self._factor(j, nodes) for j, (nodes, _) in enumerate(rules)]
+        factors = [self.factor(j, nodes) for j, (nodes, _) in enumerate(rules)]
         coefficients = self.scale_ * np.append(self.state_.weights, self.trend_)
-        indices = anova.sobol_indices(coefficients, factors, [w for _, w in rules])
-        return anova.SobolIndices(indices.first_order, indices.total, indices.second_order,
-                                  indices.variance, indices.mean + self.offset_)
+        return anova.shifted(anova.sobol_indices(coefficients, factors, [w for _, w in rules]),
+                             self.offset_)
 
-    def _factor(self, parameter: int, nodes: np.ndarray) -> np.ndarray:
-        """Part of each term (n kernels, then q trend terms) that depends on one parameter."""
+    def own_columns(self, parameter: int, nodes: np.ndarray) -> tuple[list[int], np.ndarray]:
+        """Numbers of one parameter's columns, and their values (m, own) at its nodes (m,)."""
         own = [j for j, column in enumerate(self.columns_) if column.parameter == parameter]
-        values = np.column_stack([self.columns_[j].values(nodes) for j in own])
+        return own, np.column_stack([self.columns_[j].values(nodes) for j in own])
+
+    def factor(self, parameter: int, nodes: np.ndarray) -> np.ndarray:
+        """Part of each term (n kernels, then q trend terms) that depends on one parameter."""
+        own, values = self.own_columns(parameter, nodes)
         kernels = correlation(self.points_[:, own], values, self.lengths_[own])
         trend = np.ones((len(self.trend_), len(nodes)))
         for t, term in enumerate(self._trend_terms()):

@@ -103,8 +103,9 @@ class Posterior:
 
     def __init__(self, points: np.ndarray, F: np.ndarray, y: np.ndarray):
         self.F, self.y = F, y
-        self.pairs = np.triu_indices(len(points), 1)
-        self.distances = ROOT5 * np.abs(points[self.pairs[0]] - points[self.pairs[1]]).T
+        first, second = np.triu_indices(len(points), 1)
+        self.distances = np.ascontiguousarray(ROOT5 * np.abs(points[first] - points[second]).T)
+        self.pairs = first * len(points) + second
 
     def __call__(self, logs: np.ndarray) -> tuple[float, np.ndarray]:
         """-2 log posterior and its gradient at (log lengths, log nugget), shape (c + 1,).
@@ -119,20 +120,29 @@ class Posterior:
             return 1e10, np.zeros_like(logs)
         z = (logs[:-1] - np.log(PRIOR_MEDIAN)) / PRIOR_SPREAD
         G = state.projected - np.outer(state.weights, state.weights) / state.variance
-        along = 2.0 * G[self.pairs] * pairs
+        along = 2.0 * G.take(self.pairs) * pairs
         gradient = np.append(slopes @ along + 2.0 * z / PRIOR_SPREAD, nugget * np.trace(G))
         return state.deviance + float(z @ z), gradient
 
     def _correlations(self, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Correlations of the pairs (P,) and d log correlation / d log length (c, P)."""
-        s = self.distances / lengths[:, None]
-        polynomial = 1.0 + s + s * s / 3.0
-        return (polynomial.prod(axis=0) * np.exp(-s.sum(axis=0)),
-                s * s * (1.0 + s) / (3.0 * polynomial))
+        pairs, slopes = np.exp(-(1.0 / lengths) @ self.distances), np.empty_like(self.distances)
+        for distance, length, slope in zip(self.distances, lengths, slopes, strict=True):
+            s = distance / length
+            polynomial = s / 3.0
+            polynomial += 1.0
+            polynomial *= s
+            polynomial += 1.0
+            pairs *= polynomial
+            np.add(s, 1.0, out=slope)
+            slope *= s
+            slope *= s
+            slope /= polynomial
+        return pairs, slopes / 3.0
 
     def _matrix(self, pairs: np.ndarray, nugget: float) -> np.ndarray:
         matrix = np.zeros((len(self.y), len(self.y)))
-        matrix[self.pairs] = pairs
+        matrix.ravel()[self.pairs] = pairs
         matrix += matrix.T
         np.fill_diagonal(matrix, 1.0 + nugget)
         return matrix
