@@ -24,9 +24,10 @@ from surrogate.errors import SolverError, nearest
 TOLERANCE, GOOD_ENOUGH, REFINEMENTS = 1e-12, 1e-9, 8
 ANALYSE, FACTORISE, SOLVE = 11, 22, 33
 # Pardiso's iparm, numbered from 1: own settings, METIS order, no refinement of its own, no
-# scaling, transposed solves (columns are stored), no matching; then precision (28) and the
-# power of ten below which pivots are raised (10).
-PARDISO_SETTINGS = {1: 1, 2: 2, 8: 0, 11: 0, 12: 2, 13: 0, 18: 0, 21: 0, 24: 0, 27: 0}
+# scaling, transposed solves (columns are stored), no matching, work shared as for two threads
+# whatever their number (34: the same digits always); then precision (28) and the power of
+# ten below which pivots are raised (10).
+PARDISO_SETTINGS = {1: 1, 2: 2, 8: 0, 11: 0, 12: 2, 13: 0, 18: 0, 21: 0, 24: 0, 27: 0, 34: 2}
 PARDISO_PRECISION = {np.float32: {28: 1, 10: 8}, np.float64: {28: 0, 10: 13}}
 
 

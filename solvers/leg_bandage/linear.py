@@ -11,8 +11,12 @@ from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
+from threadpoolctl import ThreadpoolController
 
 from solvers.leg_bandage.direct import DirectSolver, with_values
+
+# Dense products split over threads differ in their last digits; parts are fast on one.
+DENSE = ThreadpoolController().select(internal_api="openblas")
 
 
 class Part(Protocol):
@@ -52,9 +56,11 @@ class System:
     def linearise(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Sum of the parts' residuals (n_dofs,) and of their tangents, the latter kept packed.
 
-        Give the second value to `factorise` or to `matrix`.
+        Give the second value to `factorise` or to `matrix`. The digits do not depend on the
+        number of threads.
         """
-        answers = [part.linearise(u) for part in self.parts]
+        with DENSE.limit(limits=1):
+            answers = [part.linearise(u) for part in self.parts]
         values = np.concatenate([values for _, values in answers])
         packed = np.bincount(self._slots, values, minlength=self.factors.pattern.nnz + 1)[:-1]
         return sum(residual for residual, _ in answers), packed

@@ -4,9 +4,16 @@ import importlib.util
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_limits
 
+from solvers.leg_bandage.bandages import NOMINAL
 from solvers.leg_bandage.direct import DirectSolver
+from solvers.leg_bandage.leg_mesh import leg_mesh, tube
 from solvers.leg_bandage.linear import System, compress
+from solvers.leg_bandage.shell import Shell
+from solvers.leg_bandage.surfaces import Strip
+from solvers.leg_bandage.tissue import Tissue
+from solvers.leg_bandage.verification.plates import laid
 from surrogate.errors import SolverError
 
 ENGINES = ["superlu"] + (["pardiso"] if importlib.util.find_spec("pypardiso") else [])
@@ -106,6 +113,39 @@ def test_the_same_system_gives_the_same_digits(engine):
         system.factorise(system.linearise(np.zeros(200))[1])
         answers.append(system.solve(np.arange(200.0)))
     assert np.array_equal(*answers)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_digits_do_not_depend_on_the_number_of_threads(engine):
+    """A leg and a bandage, 10 000 unknowns, assembled and solved on one thread and on two."""
+    leg = leg_mesh(tube(47.0), tube(15.0), np.linspace(0, 200, 21), 36, 2)
+    strip, size = Strip(60, 10, offset=leg.mesh.nvertices), (300.0, 100.0)
+    start = np.vstack([leg.mesh.p.T, laid(strip, size) * [1.3, 1, 1]])
+    parts = [
+        Tissue(leg.mesh, 5e-3, 14.3, start.size),
+        Shell(strip, size, NOMINAL, start),
+        Diagonal(start.size),
+    ]
+    u = np.random.default_rng(0).normal(0, 0.01, start.size)
+    answers = []
+    for threads in (1, 2):
+        with threadpool_limits(limits=threads):
+            system = System(parts, start.size, leg.fixed_dofs(), engine)
+            residual, packed = system.linearise(u)
+            system.factorise(packed)
+            answers.append((residual, packed, system.solve(residual)))
+    for one, two in zip(*answers, strict=True):
+        assert np.array_equal(one, two)
+
+
+class Diagonal:
+    """Part with a small spring on each dof."""
+
+    def __init__(self, n):
+        self.rows = self.cols = np.arange(n)
+
+    def linearise(self, u):
+        return 1e-3 * u, np.full(u.size, 1e-3)
 
 
 def test_a_loose_body_is_reported_as_singular():
