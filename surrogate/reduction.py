@@ -21,15 +21,16 @@ def reduced_text(study: Study, screening: Screening) -> str:
                           if name not in frozen}
     data["constants"] = {**data.get("constants", {}), **frozen}
     _forget(data, frozen)
-    note = (f"# {study.name} with {', '.join(frozen)} frozen: the total index of each is surely\n"
-            f"# below {screening.freeze_below:g}. Keep this file beside the study it came from when\n"
-            "# the solver reads files or modules from there.\n\n")
+    note = (f"# {study.name} with {', '.join(frozen)} frozen: the total index of each is\n"
+            f"# surely below {screening.freeze_below:g}. Keep this file beside the study it came\n"
+            "# from when the solver reads files or modules from there.\n\n")
     return note + write_yaml(data)
 
 
 def _forget(data: dict[str, Any], frozen: Container[str]) -> None:
     """Drop correlations of frozen parameters."""
-    rows = [row for row in data.get("correlation", ()) if row[0] not in frozen and row[1] not in frozen]
+    rows = [[first, second, value] for first, second, value in data.get("correlation", ())
+            if first not in frozen and second not in frozen]
     if rows:
         data["correlation"] = rows
     else:

@@ -1,0 +1,14 @@
+"""From the words of a study to the objects they name; every mistake at once."""
+
+from surrogate.reading.methods import (
+    SensitivityMethod,
+    Surrogate,
+    designs_of,
+    sensitivity_of,
+    surrogates_of,
+)
+from surrogate.reading.notes import Reading, sentences
+from surrogate.reading.solver import constants_of, outputs_of, solver_of, space_of
+
+__all__ = ["Reading", "SensitivityMethod", "Surrogate", "constants_of", "designs_of",
+           "outputs_of", "sensitivity_of", "sentences", "solver_of", "space_of", "surrogates_of"]

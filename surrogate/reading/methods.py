@@ -1,0 +1,171 @@
+"""From the words of a study to its designs, surrogates and sensitivity method."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from surrogate import plugins, studyfile
+from surrogate.designs.design import Design
+from surrogate.errors import StudyError, nearest
+from surrogate.fitting import minimum_runs
+from surrogate.reading.notes import Reading
+from surrogate.space import Space
+from surrogate.studyfile import DesignPart, SurrogatePart
+
+#: Parameters of plug-ins that the framework fills in; they are not options.
+GIVEN_TO_DESIGNS = ("space", "coded", "folder")
+GIVEN_TO_REGRESSORS = ("space",)
+GIVEN_TO_SENSITIVITY = ("fit", "space", "confidence")
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """One entry of `surrogates:`: an unfitted estimator and the designs it learns from."""
+
+    name: str
+    method: str
+    estimator: Any
+    train: tuple[str, ...] = ("train",)
+
+
+@dataclass(frozen=True)
+class SensitivityMethod:
+    """The entry `sensitivity:`: a function, its options, and the surrogate it reads."""
+
+    name: str
+    function: Any
+    options: Mapping[str, Any]
+    surrogate: str = "best"
+    confidence: float = 0.95
+
+
+def designs_of(reading: Reading, space: Space | None) -> dict[str, Design]:
+    """Coded points of every design, augmentations included.
+
+    Without a space, methods and options are checked all the same.
+    """
+    designs = {}
+    for name, part in reading.part.designs.items():
+        design = _design(reading, space, name, part)
+        if design is not None:
+            designs[name] = design
+    if not reading.part.designs and not any(path[0] == "designs" for path in reading.broken):
+        reading.wrong("name at least one design, such as train", "designs")
+    return designs
+
+
+def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) -> Design | None:
+    path = ("designs", name)
+    first = _method(reading, plugins.DESIGNS, part, path)
+    more = [_method(reading, plugins.AUGMENTATIONS, addition, (*path, "augment", index))
+            for index, addition in enumerate(part.augment)]
+    if space is None or first is None or None in more:
+        return None
+    with reading.noting(*path):
+        coded = np.asarray(first(space), dtype=float)
+        added = []
+        for addition, method in zip(part.augment, more, strict=True):
+            rows = method(space, coded)
+            added.append((addition.method, len(rows)))
+            coded = np.vstack([coded, rows])
+        return Design(name, part.method, dict(part.options), coded, tuple(added))
+    return None
+
+
+def _method(reading: Reading, group: str, part, path: studyfile.Path):
+    """The plug-in of a design with its options filled in; None when they are wrong."""
+    with reading.noting(*path, "method"):
+        function = plugins.load(group, part.method, reading.folder)
+        mistakes = plugins.option_mistakes(function, part.options, GIVEN_TO_DESIGNS)
+        reading.options_wrong(mistakes, *path)
+        if mistakes:
+            return None
+        taken = plugins.parameters_of(function)
+        given = {"folder": reading.folder} if "folder" in taken else {}
+        if "seed" in taken:
+            given["seed"] = part.options.get("seed", 0)
+        return partial(function, **{**part.options, **given})
+    return None
+
+
+def surrogates_of(reading: Reading, designs: Mapping[str, Design],
+                  space: Space | None) -> dict[str, Surrogate]:
+    """Unfitted estimators by name, each with the designs it learns from."""
+    surrogates = {}
+    for name, part in reading.part.surrogates.items():
+        found = _surrogate(reading, name, part)
+        if found is not None:
+            surrogates[name] = found
+            _check_training(reading, found, designs, space)
+    return surrogates
+
+
+def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | None:
+    path = ("surrogates", name)
+    with reading.noting(*path, "method"):
+        factory = plugins.load(plugins.REGRESSORS, part.method, reading.folder)
+        mistakes = plugins.option_mistakes(factory, part.options, GIVEN_TO_REGRESSORS)
+        reading.options_wrong(mistakes, *path, "options")
+        if mistakes:
+            return None
+        estimator = factory(**part.options)
+        if not (hasattr(estimator, "fit") and hasattr(estimator, "predict")):
+            raise StudyError(f"'{part.method}' is not a regressor: it has no fit and predict")
+        if estimator.get_params().get("random_state", 0) is None:
+            estimator.set_params(random_state=0)
+        return Surrogate(name, part.method, estimator, part.train)
+    return None
+
+
+def _check_training(reading, surrogate: Surrogate, designs, space: Space) -> None:
+    path = ("surrogates", surrogate.name)
+    for name in surrogate.train:
+        if name not in designs and not reading.is_broken("designs", name) \
+                and name not in reading.part.designs:
+            reading.wrong(f"learns from design '{name}', which the study has not; "
+                          f"{nearest(name, reading.part.designs)}", *path, "train")
+    if space is None or any(name not in designs for name in surrogate.train):
+        return
+    points = np.unique(np.vstack([designs[name].coded for name in surrogate.train]), axis=0)
+    needed = minimum_runs(surrogate.estimator, space)
+    if len(points) < needed:
+        reading.wrong(f"{surrogate.method} has {needed} coefficients to find in {space.size} "
+                      f"parameters, but {', '.join(surrogate.train)} has {len(points)} different "
+                      "points; use a larger design or a smaller surrogate", *path, on_key=True)
+
+
+def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod | None:
+    """The sensitivity method with its options."""
+    part = reading.part.sensitivity
+    if part is None:
+        if reading.part.screening is not None and not reading.is_broken("sensitivity"):
+            reading.wrong("screening needs sensitivity: {method: sobol}", "screening", on_key=True)
+        return None
+    names = ["best", *reading.part.surrogates]
+    if not reading.part.surrogates and not any(p[0] == "surrogates" for p in reading.broken):
+        reading.wrong("sensitivity reads a surrogate, but the study has none; add surrogates:",
+                      "sensitivity", on_key=True)
+    elif part.surrogate not in names and not reading.is_broken("surrogates", part.surrogate):
+        reading.wrong(f"surrogate '{part.surrogate}' is unknown; {nearest(part.surrogate, names)}",
+                      "sensitivity", "surrogate")
+    with reading.noting("sensitivity", "method"):
+        function = plugins.load(plugins.SENSITIVITY, part.method, reading.folder)
+        reading.options_wrong(plugins.option_mistakes(function, part.options,
+                                                      GIVEN_TO_SENSITIVITY), "sensitivity")
+        if space is not None and not space.independent \
+                and getattr(function, "needs_independent", False):
+            reading.wrong(f"method {part.method} needs independent parameters, but these are "
+                          "correlated; use method shapley, or drop correlation",
+                          "sensitivity", "method")
+        if reading.part.screening is not None and part.method != "sobol":
+            reading.wrong("screening decides by the total indices of method sobol, not "
+                          f"{part.method}; change the method, or drop screening",
+                          "screening", on_key=True)
+        return SensitivityMethod(part.method, function, part.options,
+                                 part.surrogate, part.confidence)
+    return None
