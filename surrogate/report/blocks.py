@@ -150,6 +150,6 @@ def cells(words: Iterable[str], values: Sequence | None = None) -> list[Cell]:
 
 
 def anchor(*words: str) -> str:
-    """A fragment name made of these words."""
-    joined = "-".join(words).lower()
-    return "".join(letter if letter.isalnum() else "-" for letter in joined)
+    """A fragment name made of these words; different names stay different."""
+    return "".join(letter if letter.isalnum() or letter == "_" else f"-{ord(letter)}-"
+                   for letter in "|".join(words)).replace("-124-", "-")

@@ -68,7 +68,7 @@ def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list
     figures = [Figure(index_bars(names, series, SHARE, f"Sobol' indices of {output}",
                                  freeze_below=freeze_below, trusted=not stamp),
                       _bars_caption(table, freeze_below), stamp=stamp)]
-    if np.isfinite(total["sampling"]).any() or np.isfinite(total["surrogate"]).any():
+    if _parts(total):
         figures.append(Figure(part_bars(names, total), _parts_caption(table, total)))
     worst = np.asarray(table["total_worst"].values, dtype=float) if "total_worst" in table \
         else np.full(len(names), np.nan)
@@ -110,8 +110,7 @@ def _parts_caption(table: xr.Dataset, total: dict) -> str:
 def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Table:
     order = np.argsort(-np.nan_to_num(total["value"], nan=-1.0), kind="stable")
     # A closed form has no sampling part, and a column of zeros would only take room.
-    parts = [part for part in ("sampling", "surrogate")
-             if np.nan_to_num(np.concatenate([first[part], total[part]])).any()]
+    parts = _parts(first, total)
     titles = ["parameter"]
     for title in ("first order (interval)", "total (interval)"):
         titles += [title, *(f"±\u00a0{part}" for part in parts)]
@@ -127,6 +126,12 @@ def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Tab
                     "all that the surrogate misses belong to this parameter.")
     return Table(caption, tuple(Head(title, numeric=k > 0) for k, title in enumerate(titles)),
                  tuple(map(tuple, rows)), sortable=len(rows) > 3)
+
+
+def _parts(*indices: dict) -> list[str]:
+    """Parts of the intervals that are more than rounding somewhere."""
+    return [part for part in ("sampling", "surrogate")
+            if any((np.nan_to_num(values[part]) > 1e-9).any() for values in indices)]
 
 
 def _numbers(values: dict, k: int, parts: list[str]) -> list[Cell]:

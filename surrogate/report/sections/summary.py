@@ -16,6 +16,8 @@ from surrogate.sensitivity.screening import Screening
 
 #: Names written out in a sentence.
 MOST = 8
+#: Errors below this share of the output's spread are rounding.
+ROUNDING = 1e-9
 #: Share of held-out runs inside their 95 % intervals below which the intervals are too narrow.
 POOR_COVERAGE = 0.8
 
@@ -72,8 +74,11 @@ def _best(content: Content, output: str, suffix: str) -> Fact:
         return Fact(f"Best surrogate{suffix}", best,
                     "Its error on new points is not known: no held-out runs, and no run can be "
                     "left out of the training.")
-    words = [f"Q² {digits.score(row.get(f'q2_{how}', np.nan))} {kind}."]
     spread = _spread(content, output)
+    if error <= ROUNDING * spread:
+        return Fact(f"Best surrogate{suffix}", f"{best}, exact to rounding",
+                    f"It repeats the solver {kind}: the solver itself has this form.")
+    words = [f"Q² {digits.score(row.get(f'q2_{how}', np.nan))} {kind}."]
     if spread > 0:
         words.append(f"The output varies by {digits.with_unit(digits.figure(spread), unit)} "
                      "(standard deviation).")

@@ -97,7 +97,7 @@ def sensitivity_dataset(space: Space, outputs, refused: str = "") -> xr.Dataset:
     first = 0.93 * total
     second = np.full((count, d, d), 0.004)
     second[:, np.arange(d), np.arange(d)] = np.nan
-    second[:, 0, 1] = second[:, 1, 0] = 0.05
+    second[:, :1, 1:2] = second[:, 1:2, :1] = 0.05
     variables: dict = {}
     for name, value in (("first_order", first), ("total", total), ("second_order", second)):
         dims = ("output", "parameter", "parameter_2")[: value.ndim]

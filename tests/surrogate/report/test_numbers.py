@@ -154,7 +154,7 @@ def test_saturated_fit_and_aliases_are_said(study):
     tree = read(report.build(content).html)
     answer = next(tree.all("section", id="answer")).text
     assert "as many coefficients as runs" in answer and "resolution III" in answer
-    assert "The fit is saturated" in next(tree.all("section", id="output-pressure-b1")).text
+    assert "The fit is saturated" in next(tree.all("section", id="output-pressure_b1")).text
     rows = table(tree, "Alias table of design train")
     chains = content.aliasing["train"].chains
     assert len(rows) == len(chains) == 7
@@ -195,5 +195,5 @@ def test_any_measure_is_drawn_with_its_unit(study):
     tree = read(report.build(replace(content, sensitivity=moved)).html)
     rows = table(tree, "The same in numbers")
     assert [number(row[1]) for row in rows] == pytest.approx(moved["effect"].values[0], rel=6e-3)
-    assert "effect (mmHg)" in next(tree.all("section", id="output-pressure-b1")).text
+    assert "effect (mmHg)" in next(tree.all("section", id="output-pressure_b1")).text
     assert "What matters most tension" in next(tree.all("section", id="answer")).text

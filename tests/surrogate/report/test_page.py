@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from reader import read
 
 from surrogate import report
+from surrogate.distributions import uniform
+from surrogate.report import Content
+from surrogate.space import Parameter, Space
 
 ADDRESSES = ("src", "href", "xlink:href", "action", "data", "poster", "srcset", "formaction")
 
@@ -75,7 +80,36 @@ def test_sections_are_there_in_order(study, options):
     assert found[:4] == ["answer", "parameters", "designs", "runs"]
     assert found[-2:] == ["screening", "provenance"]
     outputs = options.get("outputs", ("pressure_b1",))
-    assert found[4:-2] == [f"output-{name.replace('_', '-')}" for name in outputs]
+    assert found[4:-2] == [f"output-{name}" for name in outputs]
+
+
+def test_runs_not_made_yet_are_not_failures(study):
+    """A half-finished study says how many runs are missing, and counts none of them as failed."""
+    content = study(train=40, test=10, surrogates=("linear",))
+    runs = content.runs.copy(deep=True)
+    runs["status"] = ("run", ["ok"] * 45 + ["missing"] * 5)
+    runs["pressure_b1"].values[45:] = np.nan
+    answer = next(read(report.build(replace(content, runs=runs)).html).all("section")).text
+    assert "5 runs of the designs are not made yet" in answer and "failed" not in answer
+
+
+def test_one_parameter_and_dependent_parameters(study):
+    """One parameter has no pairs to draw; dependent parameters are said to be so."""
+    one = Space((Parameter("x", uniform(0.0, 2.0)),))
+    tree = read(report.build(study(one, train=12, test=5, surrogates=("quadratic",))).html)
+    assert len(list(tree.all("section"))) == 7
+    two = Space((Parameter("x", uniform(0.0, 2.0)), Parameter("z", uniform(0.0, 1.0))),
+                ((1.0, 0.6), (0.6, 1.0)))
+    tree = read(report.build(study(two, train=20, test=5, surrogates=("linear",))).html)
+    assert "z and x (0.60)" in next(tree.all("section", id="parameters")).text
+
+
+def test_nothing_but_runs(study):
+    """Without fits, comparison or indices the page still shows designs and runs."""
+    content = study(train=10, test=0, surrogates=("linear",))
+    bare = Content(content.name, content.space, content.runs)
+    text = read(report.build(bare).html).text
+    assert "No surrogate could be fitted" in text and "All 10 runs" in text
 
 
 def test_every_figure_has_a_text_and_every_column_a_head(study):
