@@ -141,11 +141,11 @@ def test_does_not_ask_again_what_a_deterministic_solver_answered(tmp_path):
 
 def test_failed_runs_are_done_again_only_when_asked(tmp_path):
     columns, home = {"x": [1.0, 2.0, 3.0], "way": ["raise", "hang", "well"]}, {"journal": tmp_path}
-    assert execute(recipe(), columns, timeout=0.2, **home).failed == 2
-    assert execute(recipe(), columns, timeout=0.2, **home).reused == 3
-    assert execute(recipe(), columns, timeout=0.2, rerun=["failed"], **home).reused == 2
-    assert execute(recipe(), columns, timeout=0.3, **home).reused == 2
-    assert execute(recipe(), columns, timeout=0.2, rerun=["timed_out"], **home).reused == 2
+    assert execute(recipe(), columns, timeout=0.6, **home).failed == 2
+    assert execute(recipe(), columns, timeout=0.6, **home).reused == 3
+    assert execute(recipe(), columns, timeout=0.6, rerun=["failed"], **home).reused == 2
+    assert execute(recipe(), columns, timeout=0.8, **home).reused == 2
+    assert execute(recipe(), columns, timeout=0.6, rerun=["timed_out"], **home).reused == 2
 
 
 def test_a_stochastic_solver_repeats_equal_points(tmp_path):
