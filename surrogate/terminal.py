@@ -126,8 +126,7 @@ def outcome(study: Study, done: Outcome) -> Page:
 
 _COMPARED = {"q2_cv": "Q2 (left out)", "q2_test": "Q2 (test)", "rmse_test": "RMSE (test)",
              "rmse_cv": "RMSE (left out)"}
-_INDICES = {"first_order": "first order", "total": "total", "total_low": "low",
-            "total_high": "high"}
+_INDICES = {"first_order": "first order", "total": "total"}
 
 
 def _figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> list[Table]:
@@ -135,18 +134,27 @@ def _figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> lis
     flat = {key: figure["dimensions"] for key, figure in figures.items()
             if len(figure.get("dimensions", ())) == 2 and "output" in figure["dimensions"]}
     columns = {key: title for key, title in titles.items() if key in flat} or \
-        {key: key for key in flat if not key.endswith(("_sampling", "_surrogate"))}
+        {key: key.replace("_", " ") for key in flat
+         if not key.endswith(("_low", "_high", "_sampling", "_surrogate"))}
     rows_of = next(d for d in flat[next(iter(columns))] if d != "output")
     return [table(output, (rows_of, *columns.values()),
-                  [(name, *(_cell(figures[key], k, j) for key in columns))
+                  [(name, *(_cell(figures, key, k, j) for key in columns))
                    for j, name in enumerate(figures[rows_of]["values"])])
             for k, output in enumerate(figures["output"]["values"])]
 
 
-def _cell(figure: Mapping[str, Any], output: int, row: int) -> Any:
+def _cell(figures: Mapping[str, Any], key: str, output: int, row: int) -> Any:
+    """A figure, with its interval when it has one."""
+    value, low, high = (_value(figures[name], output, row) if name in figures else None
+                        for name in (key, f"{key}_low", f"{key}_high"))
+    if value is None:
+        return "-"
+    return value if low is None or high is None else f"{value:.4f} [{low:.4f}, {high:.4f}]"
+
+
+def _value(figure: Mapping[str, Any], output: int, row: int) -> Any:
     first, second = (output, row) if figure["dimensions"][0] == "output" else (row, output)
-    value = figure["values"][first][second]
-    return "-" if value is None else value
+    return figure["values"][first][second]
 
 
 def _screening_line(screening: Mapping[str, Any]) -> str:
