@@ -13,7 +13,7 @@ Neither part alone is honest: on repeated Latin hypercubes of the borehole and p
 functions r alone covers 50 to 97 % and m alone 50 to 90 % of the true indices, both
 together 97 to 99 % (`benchmarks/sensitivity.py surrogate`). Kinds of draws:
 
-posterior draws  Gaussian processes: `posterior.draws`, or scikit-learn's `sample_y`
+posterior draws  estimators with `posterior_draws(size, seed)`, or scikit-learn's `sample_y`
                  (Le Gratiet, Cannamela and Iooss 2014, doi 10.1137/130926869)
 least squares    refits to prediction + s* e, e standard normal and s*^2 = SSE / chi^2(nu):
                  coefficients then follow their Student t distribution exactly (Gelman et
@@ -32,8 +32,6 @@ import numpy as np
 from sklearn.base import clone
 
 from surrogate.errors import FitError
-from surrogate.regressors.gaussian_process import GaussianProcess
-from surrogate.sensitivity import posterior
 from surrogate.sensitivity.model import Model
 from surrogate.sensitivity.pick_freeze import Groups, mixed_points, product_moments, ratios
 from surrogate.space import Space
@@ -98,10 +96,16 @@ def closed_form(estimator) -> Indices:
     return np.asarray(indices.first_order), np.asarray(indices.total), second
 
 
-def _posterior(one: Model, measure: Measure, size: int, seed) -> list[Indices] | None:
+def _posterior(one: Model, measure, size: int, seed) -> list[Indices] | None:
     """Indices of each posterior draw less those of the mean on the same points, or None."""
-    if isinstance(one.estimator, GaussianProcess):
-        functions, pairs = posterior.draws(one.estimator, size, seed=seed), SAMPLES
+    if hasattr(one.estimator, "posterior_draws"):
+        drawn, pairs = one.estimator.posterior_draws(size, seed=seed), SAMPLES
+        if getattr(measure, "closed", False):
+            fitted = measure.of(one.estimator)
+            return [_moved(measure.of(draw), fitted) for draw in drawn]
+
+        def functions(coded):
+            return drawn[0].paths.predict(coded, slice(None))
     elif hasattr(one.estimator, "sample_y"):
         def functions(coded):
             return one.estimator.sample_y(coded, size, random_state=one_seed(seed))
@@ -109,8 +113,12 @@ def _posterior(one: Model, measure: Measure, size: int, seed) -> list[Indices] |
     else:
         return None
     mean = measure.of_functions(lambda coded: one.estimator.predict(coded)[:, None], pairs)[0]
-    return [tuple(drawn - centre for drawn, centre in zip(indices, mean, strict=True))
-            for indices in measure.of_functions(functions, pairs)]
+    return [_moved(indices, mean) for indices in measure.of_functions(functions, pairs)]
+
+
+def _moved(drawn: tuple, centre: tuple) -> tuple:
+    """Indices of a draw less those of the fitted surrogate."""
+    return tuple(one - other for one, other in zip(drawn, centre, strict=True))
 
 
 def one_seed(seed) -> int:
@@ -181,9 +189,7 @@ def _radii(one: Model, measure: Measure, fitted: Indices, draws: int, confidence
     moves, how = _posterior(one, measure, draws, seed), "posterior draws"
     if moves is None:
         estimators, how = _refits(one, draws, seed)
-        moves = [tuple(drawn - centre for drawn, centre in zip(measure.of(estimator), fitted,
-                                                               strict=True))
-                 for estimator in estimators]
+        moves = [_moved(measure.of(estimator), fitted) for estimator in estimators]
     if len(moves) < max(2, draws // 2):
         how = how if how.startswith("unknown") else f"unknown: {how} failed on these runs"
         return [np.full_like(part, np.nan) for part in fitted], how

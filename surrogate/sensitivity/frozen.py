@@ -35,7 +35,7 @@ class VarianceKept:
 
 
 def variance_kept(one: Model, frozen: list[int], at: np.ndarray, *, samples: int = 2**14,
-                  scramblings: int = 16, draws: int = 100, confidence: float = 0.95,
+                  scramblings: int = 8, draws: int = 100, confidence: float = 0.95,
                   seed=0) -> VarianceKept:
     """Variance kept when the inputs numbered `frozen` rest at the coded point `at` (d,)."""
     if not frozen:

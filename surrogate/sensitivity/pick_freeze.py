@@ -21,7 +21,9 @@ The points come in independent scramblings of a Sobol' sequence. The scatter bet
 scramblings gives the standard error (jackknife of the ratio, Student quantile; see
 L'Ecuyer, Nakayama, Owen and Tuffin 2023, "Confidence intervals for randomized
 quasi-Monte Carlo estimators"); a bootstrap over the points of one sequence would not
-know that they are spread more evenly than random ones.
+know that they are spread more evenly than random ones, and covers always. The price is a
+larger error than one sequence of all the points has; eight scramblings keep it low (with
+errors of order 1/n the half-width t sqrt(R) is 6.4 at R = 4, 6.7 at 8 and 8.5 at 16).
 """
 
 from __future__ import annotations
@@ -59,7 +61,7 @@ class Sampled:
 
 
 def pick_freeze(predict: Predict, space: Space, *, groups: Groups | None = None,
-                samples: int = 2**14, scramblings: int = 16, confidence: float = 0.95,
+                samples: int = 2**14, scramblings: int = 8, confidence: float = 0.95,
                 seed=0) -> Sampled:
     """Sobol' indices of `predict` over the independent inputs of `space`.
 

@@ -44,7 +44,7 @@ Subset = tuple[int, ...]
 
 
 def shapley(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**12,
-            scramblings: int = 16, draws: int = 50, q2: float | None = None,
+            scramblings: int = 8, draws: int = 50, q2: float | None = None,
             q2_needed: float = Q2_NEEDED) -> xr.Dataset:
     """Shapley effects of one output, for independent and for dependent parameters.
 

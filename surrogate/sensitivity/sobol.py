@@ -17,7 +17,7 @@ SHARE = (0.0, 1.0)
 
 
 def sobol(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**14,
-          scramblings: int = 16, draws: int = 100, exact: bool = True,
+          scramblings: int = 8, draws: int = 100, exact: bool = True,
           q2: float | None = None, q2_needed: float = Q2_NEEDED) -> xr.Dataset:
     """First-order, total and second-order Sobol' indices of one output.
 
