@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import os
 import weakref
 
 import numpy as np
@@ -130,7 +131,10 @@ class Pardiso:
     """
 
     def __init__(self, pattern: csc_array, precision: type):
-        self._engine = importlib.import_module("pypardiso").PyPardisoSolver(mtype=11)
+        module = importlib.import_module("pypardiso")
+        # Spares each further engine a search of the whole installation for the library.
+        os.environ.setdefault("PYPARDISO_MKL_RT", module.ps.libmkl._name)
+        self._engine = module.PyPardisoSolver(mtype=11)
         for number, value in (PARDISO_SETTINGS | PARDISO_PRECISION[precision]).items():
             self._engine.set_iparm(number, value)
         weakref.finalize(self, self._engine.free_memory, everything=True)

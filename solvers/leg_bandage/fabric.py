@@ -79,6 +79,18 @@ class Fabric:
         """Warp tension with the weft free, N/mm."""
         return self._tension_and_slope(np.asarray(stretch, dtype=float))[0]
 
+    def warp_energy(self, stretch: np.ndarray) -> np.ndarray:
+        """W at l2 = 1 without shear, N/mm: the integral of `warp_force` from 1."""
+        _, Q12, Q22 = self.membrane
+        held = (self.K1 * (not self.curve) + Q12**2 / Q22) / 2 * (stretch - 1) ** 2
+        if not self.curve:
+            return held
+        inside = np.clip(stretch, self.curve[0][0], self.curve[-1][0])
+        tension, slope = self._curve
+        beyond = stretch - inside
+        work = tension.antiderivative()(inside)
+        return held + work + tension(inside) * beyond + slope(inside) / 2 * beyond**2
+
     def warp_force(self, stretch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """dW/dl1 at l2 = 1 and its slope, N/mm: the tension plus what holds the weft."""
         tension, slope = self._tension_and_slope(stretch)

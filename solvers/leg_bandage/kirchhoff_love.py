@@ -50,13 +50,11 @@ def frame(Z: np.ndarray) -> Frame:
 
 
 def energy(Z: np.ndarray, natural: np.ndarray, fabric: Fabric) -> np.ndarray:
-    """Energy per undeformed area, (...); `fabric` without a tension curve.
-
-    natural  (6, ...) the strains that cost no energy.
-    """
+    """Energy per undeformed area, (...); natural (6, ...) are the strains that cost none."""
     (e1, e2, shear), curvature = np.split(frame(Z).strains - natural, 2)
-    Q11, Q12, Q22 = fabric.membrane
-    stretching = Q11 / 2 * e1**2 + Q12 * e1 * e2 + Q22 / 2 * e2**2 + fabric.G / 2 * shear**2
+    _, Q12, Q22 = fabric.membrane
+    stretching = fabric.warp_energy(1 + e1) + Q12 * e1 * e2 + Q22 / 2 * e2**2
+    stretching += fabric.G / 2 * shear**2
     return stretching + np.einsum("r...,rs,s...->...", curvature, fabric.bending, curvature) / 2
 
 

@@ -82,7 +82,7 @@ class Shell:
         return np.bincount(dofs.ravel(), forces.ravel(), minlength=self.n_dofs), values.ravel()
 
     def energy(self, u: np.ndarray) -> float:
-        """Stored energy, N mm (of fabrics without a tension curve)."""
+        """Stored energy, N mm."""
         Z = _derivatives(self.slopes, (self.start + u.reshape(-1, 3))[self.points])
         return float(self.weights @ energy(Z, self.natural, self.fabric).sum(axis=1))
 

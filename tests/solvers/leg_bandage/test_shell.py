@@ -48,7 +48,7 @@ def noise(shell, seed, size=0.2):
     return rng.normal(0, size, shell.n_dofs), rng.normal(size=shell.n_dofs)
 
 
-@pytest.mark.parametrize("fabric", [STIFF, NOMINAL])
+@pytest.mark.parametrize("fabric", [STIFF, NOMINAL, replace(NOMINAL, curve=CURVE)])
 def test_residual_is_the_derivative_of_the_energy(fabric):
     """Virtual work: residual . v = dU(u + t v)/dt, central differences, 1e-7."""
     shell = waved(fabric)
