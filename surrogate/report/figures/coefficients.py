@@ -6,17 +6,8 @@ import numpy as np
 from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import (
-    WIDTH,
-    Scale,
-    drawing,
-    label_room,
-    line,
-    mark,
-    shortened,
-    span,
-    text,
-)
+from surrogate.report.drawing import WIDTH, drawing, group, line, mark
+from surrogate.report.figures.rows import Rows, whisker
 
 MOST = 30
 ROW = 20.0
@@ -28,26 +19,26 @@ def coefficient_plot(terms, value, low, high, unit: str, surrogate: str) -> Mark
     terms (k,) without the constant; value, low, high (k,), NaN where there is no
     interval. Shows the 30 largest by magnitude.
     """
-    order = np.argsort(-np.abs(value))[:MOST]
-    left = label_room([terms[k] for k in order])
-    reach = span(value, low, high, include=[0.0])
-    x = Scale(*reach, left, WIDTH - 14)
-    top, floor = 26.0, 26.0 + ROW * len(order)
-    marks = [line(x(v), top, x(v), floor, "grid") for v in x.ticks(4)]
-    marks += [text(x(v), floor + 14, words, "tick", "middle")
-              for v, words in zip(x.ticks(4), x.tick_words(4), strict=True)]
-    marks.append(line(x(0.0), top - 4, x(0.0), floor, "axis"))
+    order = np.argsort(-np.abs(value), kind="stable")[:MOST]
+    numbers = [float(v) for v in np.concatenate([value[order], low[order], high[order]])
+               if np.isfinite(v)]
+    rows = Rows.of([terms[k] for k in order], numbers, ROW, most=150.0)
+    marks = [rows.frame(f"{digits.labelled('coefficient', unit)[:-1]} per coded unit)")]
     for place, k in enumerate(order):
-        y = top + ROW * (place + 0.5)
-        marks.append(text(left - 8, y + 4, shortened(terms[k], left - 8), "name", "end"))
-        marks.append(line(x(0.0), y, x(value[k]), y, "stem"))
-        if np.isfinite(low[k]) and np.isfinite(high[k]):
-            marks.append(line(x(low[k]), y, x(high[k]), y, "whisker"))
-        sure = not np.isfinite(low[k]) or low[k] > 0.0 or high[k] < 0.0
-        marks.append(mark("filled" if sure else "hollow", x(value[k]), y, data_tip=(
-            f"{terms[k]}\n{digits.with_unit(digits.with_interval(value[k], low[k], high[k]), unit)}"
-        )))
-    label = f"{digits.labelled('coefficient', unit)[:-1]} per coded unit)"
-    marks.append(text((left + WIDTH) / 2, floor + 31, label, "label", "middle"))
-    return drawing(WIDTH, floor + 40, *marks,
+        marks.append(rows.name(place, terms[k]))
+        marks.append(_term(rows, place, terms[k], tuple(map(float, (value[k], low[k], high[k]))),
+                           unit))
+    return drawing(WIDTH, rows.height, *marks,
                    says=f"Coefficients of {surrogate} with intervals, largest first")
+
+
+def _term(rows: Rows, place: int, term: str, numbers: tuple[float, float, float],
+          unit: str) -> Markup:
+    """Stem from zero, whisker, and a disc: filled when zero lies outside the interval."""
+    value, low, high = numbers
+    y, bounded = rows.middle(place), np.isfinite(low) and np.isfinite(high)
+    kind = "hollow" if bounded and low <= 0.0 <= high else "filled"
+    tip = f"{term}\n{digits.with_unit(digits.with_interval(value, low, high), unit)}"
+    return group(line(rows.x(0.0), y, rows.x(value), y, "stem"),
+                 whisker(rows.x, low, high, y) if bounded else "",
+                 mark(kind, rows.x(value), y, data_tip=tip))

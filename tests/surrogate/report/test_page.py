@@ -26,6 +26,8 @@ def test_page_loads_nothing(study):
             if key in element.attributes]
     assert used and all(address.startswith(("#", "data:image/png;base64,")) for address in used)
     assert not list(tree.all("link")) and not list(tree.all("iframe"))
+    policy = next(tree.all("meta", http_equiv="Content-Security-Policy"))
+    assert policy.attributes["content"].startswith("default-src 'none'; img-src data:;")
     code = " ".join(element.text for name in ("style", "script") for element in tree.all(name))
     assert not re.search(r"https?:|url\(|@import|\bimport\b|fetch\(|XMLHttpRequest|WebSocket", code)
 

@@ -1,0 +1,92 @@
+"""Rows with names at the left and one scale below: the frame of bars, dots and intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from surrogate.report.drawing import (
+    WIDTH,
+    Scale,
+    group,
+    label_room,
+    line,
+    path,
+    shortened,
+    text,
+)
+
+TOP = 14.0
+
+
+@dataclass(frozen=True)
+class Rows:
+    """`count` rows of height `band`; x places values."""
+
+    x: Scale
+    band: float
+    count: int
+
+    @classmethod
+    def of(cls, names: Sequence[str], numbers: Sequence[float], band: float, *,
+           zero: bool = True, most: float = 120.0) -> Rows:
+        """Rows for these names whose scale holds all the numbers, and zero if wanted.
+
+        most is the room that names can take.
+        """
+        held = [*numbers, *([0.0] if zero or not numbers else [])]
+        low, high = min(held), max(held)
+        room = 0.04 * (high - low) or 0.05 * abs(high) or 1.0
+        low = low if zero and low == 0.0 else low - room
+        return cls(Scale(low, high + room, label_room(names, most), WIDTH - 14.0), band,
+                   len(names))
+
+    @property
+    def floor(self) -> float:
+        """Lower end of the rows."""
+        return TOP + self.band * self.count
+
+    @property
+    def height(self) -> float:
+        """Height of the drawing, scale and label included."""
+        return self.floor + 40.0
+
+    def top(self, place: int) -> float:
+        """Upper end of a row."""
+        return TOP + self.band * place
+
+    def middle(self, place: int) -> float:
+        """Middle of a row."""
+        return self.top(place) + self.band / 2.0
+
+    def name(self, place: int, words: str) -> Markup:
+        """A row's name."""
+        left = self.x.start
+        return text(left - 8, self.middle(place) + 4, shortened(words, left - 8), "name", "end")
+
+    def frame(self, label: str) -> Markup:
+        """Grid, scale, label, and the line of zero where the scale has one."""
+        marks = [line(self.x(v), TOP, self.x(v), self.floor, "grid") for v in self.x.ticks()]
+        marks += [text(self.x(v), self.floor + 14, words, "tick", "middle")
+                  for v, words in zip(self.x.ticks(), self.x.tick_words(), strict=True)]
+        marks.append(text((self.x.start + self.x.end) / 2, self.floor + 31, label, "label",
+                          "middle"))
+        if self.x.low <= 0.0 <= self.x.high:
+            marks.append(line(self.x(0.0), TOP - 4, self.x(0.0), self.floor, "axis"))
+        return group(*marks)
+
+    def threshold(self, value: float | None) -> Markup:
+        """A dashed line through all rows; nothing when it lies off the scale."""
+        if value is None or not self.x.low <= value <= self.x.high:
+            return group()
+        return line(self.x(value), TOP - 4, self.x(value), self.floor, "threshold")
+
+
+def whisker(x: Scale, low: float, high: float, y: float, cap: float = 3.5) -> Markup:
+    """An interval with its two ends."""
+    left, right = float(x(max(low, x.low))), float(x(min(high, x.high)))
+    return group(path([(left, y - cap), (left, y + cap)], "whisker"),
+                 line(left, y, right, y, "whisker"),
+                 path([(right, y - cap), (right, y + cap)], "whisker"))
