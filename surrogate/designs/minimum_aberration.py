@@ -4,7 +4,7 @@
 NIST/SEMATECH handbook, section 5.3.3.4.7. Other sizes are searched: columns are added
 greedily so that no word is shorter than the resolution asked for, then exchanged as
 long as that improves the word-length pattern (Fries and Hunter 1980: fewest shortest
-words first). The search has fixed seeds; from 2^8 runs on its answer is the best
+words first). The search has fixed seeds; beyond the table its answer is the best
 found, not proven the best.
 """
 
@@ -34,8 +34,9 @@ LETTERS = "ABCDEFGHJKLMNOPQRSTUVWXYZ"
 STARTS = 24
 #: Words of these lengths are compared when columns are exchanged.
 COMPARED = range(3, 9)
-#: Exchanges weigh every column against every run; beyond 2^10 of each that is too much.
-LARGEST_EXCHANGE = 10
+#: Random starts up to 2^10 runs; exchanges, which weigh every column against every run, up to
+#: 2^8 runs and 64 factors (beyond, numbers of words also leave 64-bit integers).
+LARGEST_STARTS, LARGEST_EXCHANGE, MOST_EXCHANGED = 10, 8, 64
 
 
 def mask(word: str) -> int:
@@ -99,7 +100,7 @@ def _starts(factors: int, base: int, resolution: int) -> list[tuple[int, ...]]:
     rng = np.random.default_rng(factors * 100 + base)
     order = np.arange(1, 2**base)
     found = [_greedy(order, factors, base, resolution)]
-    for _ in range(STARTS if base < LARGEST_EXCHANGE else 0):
+    for _ in range(STARTS if base <= LARGEST_STARTS else 0):
         found.append(_greedy(rng.permutation(order), factors, base, resolution))
     return [masks for masks in found if masks is not None]
 
@@ -122,7 +123,7 @@ def _greedy(order, factors: int, base: int, resolution: int) -> tuple[int, ...] 
 
 def _exchange(masks: tuple[int, ...], base: int) -> tuple[int, ...]:
     """Replace one column at a time while that improves the word-length pattern."""
-    if base > LARGEST_EXCHANGE:
+    if base > LARGEST_EXCHANGE or len(masks) > MOST_EXCHANGED:
         return masks
     everything = np.rint((1 - columns.matrix(range(1, 2**base), base)) / 2).astype(np.int32)
     masks, improved = list(masks), True
@@ -143,8 +144,8 @@ def _best_exchange(masks: list[int], position: int, everything: np.ndarray) -> i
     free = np.setdiff1d(np.arange(everything.shape[1]), [*others, present])
     free = np.concatenate([[present], free])
     weight = everything[:, others].sum(axis=1)[:, None] + everything[:, free]
-    table = np.array(columns.krawtchouk(factors), dtype=np.int64)
-    patterns = [table[i][weight].sum(axis=0) for i in COMPARED if i <= factors]
+    numbers = columns.krawtchouk(factors)
+    patterns = [np.array(numbers[i])[weight].sum(axis=0) for i in COMPARED if i <= factors]
     best = np.lexsort(patterns[::-1])[0]
     tied = all(pattern[best] == pattern[0] for pattern in patterns)
     return masks[position] if tied else int(free[best]) + 1
