@@ -54,8 +54,8 @@ def design_matrix(terms: list[Term], values: np.ndarray) -> np.ndarray:
     return matrix
 
 
-class Polynomial(RegressorMixin, BaseEstimator):
-    """Least squares on the terms that a subclass chooses.
+class TermRegressor(RegressorMixin, BaseEstimator):
+    """Least squares on the terms that a subclass's `select` takes of its candidates.
 
     space  the Space of the inputs (names, categorical columns, laws); None for numeric
            inputs x1, x2, ... uniform on [-1, 1]
@@ -67,53 +67,31 @@ class Polynomial(RegressorMixin, BaseEstimator):
     def __init__(self, space=None):
         self.space = space
 
-    @staticmethod
-    def choose_terms(of: tuple[Column, ...]) -> list[Term]:
-        """Terms of the model on these columns."""
-        return linear_terms(of)
-
     def fit(self, X, y):
         """Fit to coded points X (n, d) and values y (n,)."""
         X, y = validate_data(self, X, y, y_numeric=True)
         self.columns_ = columns(self.space, X.shape[1])
         self.points_ = X
         values = expand(X, self.columns_)
-        self.terms_ = self._terms(values, y)
+        self.terms_ = self.select(values, y)
         names = [term_name(term, self.columns_) for term in self.terms_]
         self.model_ = regression.least_squares(design_matrix(self.terms_, values), y, names)
         self.coef_ = self.model_.coefficients
         return self
 
-    def _terms(self, values: np.ndarray, y: np.ndarray) -> list[Term]:
-        return self.choose_terms(self.columns_)
-
-    def minimum_runs(self, space) -> int:
-        """Runs that a fit needs: one for each term."""
-        return len(self.choose_terms(columns(space, space.size)))
-
-    def _rows(self, X) -> np.ndarray:
+    def rows(self, X) -> np.ndarray:
+        """Values (m, p) of the terms at coded points (m, d)."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
         return design_matrix(self.terms_, expand(X, self.columns_))
 
-    def predict(self, X, return_std=False):
-        """Values (m,) at coded X (m, d); with the standard deviation of a new observation."""
-        rows = self._rows(X)
-        mean = rows @ self.coef_
-        return (mean, self.model_.standard_error(rows)) if return_std else mean
-
-    @property
-    def interval_freedom(self) -> int:
-        """Degrees of freedom of the t distribution of prediction intervals."""
-        return self.model_.freedom
+    def predict(self, X):
+        """Values (m,) at coded X (m, d)."""
+        return self.rows(X) @ self.coef_
 
     def leave_one_out(self) -> np.ndarray:
-        """Predictions (n,) of each run by the fit without it; exact."""
+        """Predictions (n,) of each run by the fit of the same terms without it; exact."""
         return self.model_.leave_one_out()
-
-    def leave_out(self, folds) -> np.ndarray:
-        """Predictions (n,) of each run by the fit without its fold (n,); exact."""
-        return self.model_.leave_out(np.asarray(folds))
 
     def regression_table(self, *, confidence: float = 0.95,
                          deterministic: bool = False) -> xr.Dataset:
@@ -145,6 +123,38 @@ class Polynomial(RegressorMixin, BaseEstimator):
         return {"kind": "polynomial", "columns": portable.columns(self.columns_),
                 "terms": [{"coefficient": float(c), "powers": [list(part) for part in term]}
                           for c, term in zip(self.coef_, self.terms_, strict=True) if c != 0.0]}
+
+
+class Polynomial(TermRegressor):
+    """Least squares on all terms that `choose_terms` names, whatever the runs say."""
+
+    @staticmethod
+    def choose_terms(of: tuple[Column, ...]) -> list[Term]:
+        """Terms of the model on these columns."""
+        return linear_terms(of)
+
+    def select(self, values: np.ndarray, y: np.ndarray) -> list[Term]:
+        """All terms, without regard to column values (n, c) and y (n,)."""
+        return self.choose_terms(self.columns_)
+
+    def minimum_runs(self, space) -> int:
+        """Runs that a fit needs: one for each term."""
+        return len(self.choose_terms(columns(space, space.size)))
+
+    def predict(self, X, return_std=False):
+        """Values (m,) at coded X (m, d); with the standard deviation of a new observation."""
+        rows = self.rows(X)
+        mean = rows @ self.coef_
+        return (mean, self.model_.standard_error(rows)) if return_std else mean
+
+    @property
+    def interval_freedom(self) -> int:
+        """Degrees of freedom of the t distribution of prediction intervals."""
+        return self.model_.freedom
+
+    def leave_out(self, folds) -> np.ndarray:
+        """Predictions (n,) of each run by the fit without its fold (n,); exact."""
+        return self.model_.leave_out(np.asarray(folds))
 
 
 class Linear(Polynomial):

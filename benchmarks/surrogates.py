@@ -1,0 +1,163 @@
+"""Surrogates: accuracy and time beside scikit-learn's, and the regression table's time.
+
+    python benchmarks/surrogates.py accuracy     RMSE and seconds of every surrogate
+    python benchmarks/surrogates.py small        Gaussian process on 10 to 40 runs: Q2, coverage
+    python benchmarks/surrogates.py regression   table beside statsmodels (if it is installed)
+
+Training runs are Latin hypercubes, test runs a Sobol' sequence of 4096 points. Times are
+of one fit and of 100 000 predictions of the mean. Set OMP_NUM_THREADS=1 for comparable
+figures.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+import warnings
+
+import numpy as np
+from scipy import stats
+from scipy.stats import qmc
+from sklearn.ensemble import RandomForestRegressor
+from sklearn.exceptions import ConvergenceWarning
+from sklearn.gaussian_process import GaussianProcessRegressor
+from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+
+from solvers.textbook import Borehole, Ishigami, OTLCircuit, Piston
+from surrogate.distributions import uniform
+from surrogate.fitting import q2
+from surrogate.regressors.chaos import PolynomialChaos
+from surrogate.regressors.gaussian_process import GaussianProcess
+from surrogate.regressors.polynomial import Linear, Quadratic
+from surrogate.space import Parameter, Space
+
+SOLVERS = {"piston (7 inputs)": Piston(), "borehole (8 inputs)": Borehole()}
+SMALL = SOLVERS | {"otl circuit (6 inputs)": OTLCircuit(), "ishigami (3 inputs)": Ishigami()}
+
+
+def space_of(solver) -> Space:
+    return Space(tuple(Parameter(name, uniform(*given.range))
+                       for name, given in solver.inputs.items()))
+
+
+def evaluate(solver, space, coded):
+    (values,) = solver(**space.decode(coded)).values()
+    return np.asarray(values)
+
+
+def cube(size: int, runs: int, seed: int) -> np.ndarray:
+    return 2.0 * qmc.LatinHypercube(size, seed=seed).random(runs) - 1.0
+
+
+def scikit_learn_process(size: int) -> GaussianProcessRegressor:
+    kernel = (ConstantKernel(1.0, (1e-3, 1e6)) * Matern(np.full(size, 2.0), (0.05, 50.0), nu=2.5)
+              + WhiteKernel(1e-4, (1e-10, 1.0)))
+    return GaussianProcessRegressor(kernel, normalize_y=True, n_restarts_optimizer=2,
+                                    random_state=0)
+
+
+def surrogates(space: Space) -> dict:
+    return {"linear": Linear(space), "quadratic": Quadratic(space),
+            "polynomial chaos": PolynomialChaos(space=space),
+            "gaussian process": GaussianProcess(space=space),
+            "scikit-learn process": scikit_learn_process(space.size),
+            "scikit-learn forest": RandomForestRegressor(300, random_state=0)}
+
+
+def timed(function, *arguments):
+    start = time.perf_counter()
+    result = function(*arguments)
+    return result, time.perf_counter() - start
+
+
+def accuracy(sizes: tuple[int, ...]) -> None:
+    print(f"{'':38} {'RMSE/sd':>9} {'fit s':>8} {'predict s':>9} {'indices s':>9}")
+    for title, solver in SOLVERS.items():
+        space = space_of(solver)
+        test = 2.0 * qmc.Sobol(space.size, seed=9).random(4096) - 1.0
+        truth, many = evaluate(solver, space, test), np.tile(test, (25, 1))[:100_000]
+        for runs in sizes:
+            print(f"{title}, {runs} runs")
+            coded = cube(space.size, runs, seed=1)
+            values = evaluate(solver, space, coded)
+            for name, estimator in surrogates(space).items():
+                if name == "quadratic" and runs < estimator.minimum_runs(space):
+                    continue
+                fitted, fit_seconds = timed(estimator.fit, coded, values)
+                _, predict_seconds = timed(fitted.predict, many)
+                error = np.sqrt(np.mean((truth - fitted.predict(test)) ** 2)) / truth.std()
+                indices = (f"{timed(fitted.sobol_indices)[1]:9.3f}"
+                           if hasattr(fitted, "sobol_indices") else f"{'-':>9}")
+                print(f"  {name:36} {error:9.2e} {fit_seconds:8.3f} {predict_seconds:9.3f} "
+                      f"{indices}")
+
+
+def small(seeds: int) -> None:
+    """Ours beside scikit-learn's where runs are few: median Q2, mean coverage of 95 %."""
+    for title, solver in SMALL.items():
+        space = space_of(solver)
+        test = 2.0 * qmc.Sobol(space.size, seed=9).random(1024) - 1.0
+        truth = evaluate(solver, space, test)
+        for runs in (10, 20, 40):
+            scores = {}
+            for seed in range(seeds):
+                coded = cube(space.size, runs, seed)
+                values = evaluate(solver, space, coded)
+                for name in ("gaussian process", "scikit-learn process"):
+                    fitted = surrogates(space)[name].fit(coded, values)
+                    mean, std = fitted.predict(test, return_std=True)
+                    wide = (stats.t.ppf(0.975, fitted.interval_freedom)
+                            if name == "gaussian process" else 1.96)
+                    scores.setdefault(name, []).append(
+                        (q2(truth, mean), np.mean(np.abs(truth - mean) <= wide * std)))
+            line = "   ".join(f"{name}: Q2 {np.median(pairs, axis=0)[0]:.3f}, coverage "
+                              f"{np.mean(pairs, axis=0)[1]:.2f}"
+                              for name, pairs in scores.items())
+            print(f"{title}, {runs} runs   {line}")
+
+
+def regression() -> None:
+    try:
+        import statsmodels.api as sm
+    except ImportError:
+        sm = None
+    solver = Piston()
+    space = space_of(solver)
+    for runs in (50, 200, 500):
+        coded = cube(space.size, runs, seed=1)
+        fitted = Quadratic(space).fit(coded, evaluate(solver, space, coded))
+        table, seconds = timed(fitted.regression_table)
+        print(f"quadratic in 7 inputs, {runs} runs: table {seconds * 1e3:.1f} ms", end="")
+        if sm is None:
+            print("; statsmodels is not installed")
+            continue
+        theirs, their_seconds = timed(_statsmodels, sm, fitted.model_)
+        worst = max(np.max(np.abs(table[name].values - value) / np.maximum(np.abs(value), 1e-300))
+                    for name, value in theirs.items())
+        print(f", statsmodels {their_seconds * 1e3:.1f} ms; largest relative difference "
+              f"{worst:.1e}")
+
+
+def _statsmodels(sm, model) -> dict[str, np.ndarray]:
+    result = sm.OLS(model.y, model.matrix).fit()
+    influence = result.get_influence()
+    return {"coefficient": result.params, "standard_error": result.bse, "p": result.pvalues,
+            "cooks_distance": influence.cooks_distance[0],
+            "studentised_external": influence.resid_studentized_external,
+            "press": np.sum(influence.resid_press**2), "f": result.fvalue}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("what", choices=["accuracy", "small", "regression"])
+    parser.add_argument("--runs", type=int, nargs="+", default=[50, 200, 500])
+    parser.add_argument("--seeds", type=int, default=10)
+    given = parser.parse_args()
+    # scikit-learn warns of lengths at their bounds, which is what inert inputs have.
+    warnings.simplefilter("ignore", ConvergenceWarning)
+    {"accuracy": lambda: accuracy(tuple(given.runs)), "small": lambda: small(given.seeds),
+     "regression": regression}[given.what]()
+
+
+if __name__ == "__main__":
+    main()
