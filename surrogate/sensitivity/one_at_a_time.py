@@ -19,6 +19,7 @@ import xarray as xr
 
 from surrogate.errors import StudyError
 from surrogate.sensitivity.model import model
+from surrogate.sensitivity.table import Q2_NEEDED, dataset
 from surrogate.space import Parameter, Space
 
 THRESHOLD = 0.93
@@ -27,7 +28,8 @@ UNBOUNDED_END = 0.95
 
 
 def one_at_a_time(fit, space: Space, *, seed=0, confidence: float = 0.95,
-                  base: Mapping | None = None, threshold: float = THRESHOLD) -> xr.Dataset:
+                  base: Mapping | None = None, threshold: float = THRESHOLD,
+                  q2: float | None = None, q2_needed: float = Q2_NEEDED) -> xr.Dataset:
     """Effects of a fit (or function of coded points) when one parameter moves at a time.
 
     base       name -> physical value at which the others rest; default: coded 0, or the
@@ -38,12 +40,13 @@ def one_at_a_time(fit, space: Space, *, seed=0, confidence: float = 0.95,
     An array's effect is its root mean square. A categorical parameter's effect is the
     largest difference between two of its levels.
     """
-    one = model(fit, space)
+    one = model(fit, space, q2=q2)
     rest = base_point(space, base)
     effects = [_effect(one.predict, parameter, j, rest)
                for j, parameter in enumerate(space.parameters)]
-    return _table(one.output, one.surrogate, space, np.array(effects), threshold,
-                  f"ends of the ranges, others at {describe(space, rest)}")
+    return dataset(one, _columns(np.array(effects), threshold), method="one_at_a_time",
+                   confidence=confidence, q2_needed=q2_needed, threshold=threshold,
+                   moved=f"ends of the ranges, others at {describe(space, rest)}")
 
 
 def main_effects(space: Space, coded, values, *, output: str = "y",
@@ -59,7 +62,10 @@ def main_effects(space: Space, coded, values, *, output: str = "y",
         raise StudyError(f"{len(coded)} runs do not determine the effects of {space.size} "
                          "parameters; add runs or take the effects of a surrogate")
     effects = 2.0 * np.linalg.lstsq(plane, values, rcond=None)[0][1:]
-    return _table(output, "runs", space, effects, threshold, "least squares plane of the runs")
+    return xr.Dataset(_columns(effects, threshold),
+                      coords={"output": [output], "parameter": list(space.names)},
+                      attrs={"method": "main_effects", "surrogate": "runs",
+                             "threshold": threshold, "moved": "least squares plane of the runs"})
 
 
 def base_point(space: Space, base: Mapping | None = None) -> np.ndarray:
@@ -93,16 +99,12 @@ def _effect(predict, parameter: Parameter, j: int, rest: np.ndarray) -> float:
     return float(np.sqrt((gaps**2).mean(axis=-1)).max())
 
 
-def _table(output: str, surrogate: str, space: Space, effects: np.ndarray, threshold: float,
-           moved: str) -> xr.Dataset:
+def _columns(effects: np.ndarray, threshold: float) -> dict:
+    """Variables of the table: effect, both shares, and what the rule keeps by either."""
     shares = {"share": _shares(np.abs(effects)), "share_squared": _shares(effects**2)}
     kept = {f"kept_by_{name}": kept_by_rule(share, threshold) for name, share in shares.items()}
-    columns = {"effect": effects, **shares, **kept}
-    return xr.Dataset({name: (("output", "parameter"), column[None])
-                       for name, column in columns.items()},
-                      coords={"output": [output], "parameter": list(space.names)},
-                      attrs={"method": "one_at_a_time", "surrogate": surrogate,
-                             "threshold": threshold, "moved": moved})
+    return {name: (("output", "parameter"), column[None])
+            for name, column in {"effect": effects, **shares, **kept}.items()}
 
 
 def _shares(sizes: np.ndarray) -> np.ndarray:

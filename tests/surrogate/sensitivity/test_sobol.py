@@ -196,3 +196,21 @@ def test_outputs_are_joined_in_one_dataset(textbook):
     assert both["refused"].values.tolist() == [first.attrs["refused"], ""]
     assert both.attrs["surrogate"] == "tested" and both.attrs["refused"] == first.attrs["refused"]
     np.testing.assert_array_equal(both["total"][1], second["total"][0])
+
+
+def test_field_surrogate_has_one_set_of_indices_weighted_by_variance():
+    """Places 3 x and 4 y of a field: 9/25 and 16/25, by modes and pairs bootstrap."""
+    space = unit_space("x", "y")
+    surrogate = fitted(lambda t: t * [3.0, 4.0], space, Quadratic(), output="field")
+    indices = sobol(surrogate, space, samples=2**12, draws=10).isel(output=0)
+    np.testing.assert_allclose(indices["first_order"], [0.36, 0.64], atol=2e-3)
+    assert indices.attrs["surrogate_part"].startswith("pairs bootstrap")
+
+
+def test_same_seed_same_dataset_and_another_seed_another(textbook):
+    """Every random part, the draws included, hangs on the seed alone."""
+    case = textbook("ishigami")
+    surrogate = fitted(case.function, case.space, RandomForestRegressor(5, random_state=0))
+    options = {"samples": 2**8, "draws": 4}
+    one, same, other = (sobol(surrogate, case.space, seed=s, **options) for s in (1, 1, 2))
+    assert one.identical(same) and not one.equals(other)
