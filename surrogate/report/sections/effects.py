@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import xarray as xr
 
+from surrogate.errors import FitError
+from surrogate.regression import nested
 from surrogate.report import digits
 from surrogate.report.blocks import (
     Cell,
@@ -21,11 +25,19 @@ from surrogate.report.blocks import (
 from surrogate.report.content import Content
 from surrogate.report.figures.coefficients import MOST, coefficient_plot
 from surrogate.report.figures.slices import slice_plots
+from surrogate.report.parity import rows_learnt
 
 DETERMINISTIC = (
     "The solver gives the same answer to the same question, so the residuals are no noise: "
     "standard errors, p-values and intervals measure how badly the polynomial fits (lack of fit), "
     "not how surely an effect exists.")
+
+#: Beginnings of the table's own notes that the page says in its own words.
+SAID_ELSEWHERE = ("The solver is deterministic", "The fit is saturated")
+#: Beyond these a run moves the fit by itself (Cook and Weisberg 1982), or is far off it.
+LARGE_COOK, LARGE_STUDENTISED = 1.0, 3.0
+#: Runs named in a sentence.
+NAMED = 6
 
 
 def blocks(content: Content, output: str) -> list:
@@ -37,6 +49,7 @@ def blocks(content: Content, output: str) -> list:
         result.append(Heading("Effects", anchor(output, "effects")))
         if content.deterministic:
             result.append(Text(DETERMINISTIC, "note"))
+        result += [Text(words) for words in comparisons(content, output, list(tables))]
     for place, (name, table) in enumerate(tables.items()):
         inside = _regression(content, output, name, table)
         fold = Fold(f"{name}: {digits.quantity(table.sizes['term'], 'term')}", tuple(inside),
@@ -51,7 +64,8 @@ def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> 
     columns = {key: np.asarray(table[key].values, dtype=float)
                for key in ("coefficient", "low", "high")}
     effects = [k for k, term in enumerate(terms) if term != "1"]
-    parts: list = [Points(tuple(sentences(table, unit)))]
+    said = [*sentences(table, unit), *influence(content, output, name, table)]
+    parts: list = [Points(tuple(said))]
     known = [k for k in effects if np.isfinite(columns["coefficient"][k])]
     if known:
         more = f" The {MOST} largest of {len(known)}." if len(known) > MOST else ""
@@ -121,9 +135,48 @@ def sentences(table: xr.Dataset, unit: str) -> list[str]:
             f"Lack of fit against the replicates: F = {digits.figure(get['lack_of_fit_f'])}, "
             f"p {_equals(get['lack_of_fit_p'])}; "
             + ("terms are missing." if poor else "no term is seen to be missing."))
-    shown = {"saturated", "deterministic"}
     notes = str(table.attrs.get("notes", "")).splitlines()
-    said += [note for note in notes if note and not any(word in note for word in shown)]
+    return said + [note for note in notes if note and not note.startswith(SAID_ELSEWHERE)]
+
+
+def influence(content: Content, output: str, name: str, table: xr.Dataset) -> list[str]:
+    """Runs that move the polynomial by themselves, and runs far off it, by number."""
+    fit = content.fits_of(output).get(name)
+    if fit is None or not {"cooks_distance", "studentised_external"} <= set(table.data_vars):
+        return []
+    rows = rows_learnt(fit, content.coded)
+    number = {int(row): str(run) for run, row in zip(content.numbers, rows, strict=True)
+              if row >= 0}
+    said = []
+    for key, limit, words in (("cooks_distance", LARGE_COOK, "Cook's distance above 1, so the fit "
+                               "leans on each of these runs by itself"),
+                              ("studentised_external", LARGE_STUDENTISED,
+                               "more than 3 standard deviations off the fit")):
+        sizes = np.abs(np.asarray(table[key].values, dtype=float))
+        large = [k for k in np.argsort(-np.nan_to_num(sizes)) if sizes[k] > limit]
+        if large:
+            runs = digits.listing([number.get(int(k), "unknown") for k in large], NAMED)
+            said.append(f"{'Run' if len(large) == 1 else 'Runs'} {runs}: {words}.")
+    return said
+
+
+def comparisons(content: Content, output: str, names: list[str]) -> list[str]:
+    """F tests of each larger polynomial against the next smaller one of the same runs."""
+    models = [(name, content.fits_of(output)[name].estimator.model_) for name in names
+              if hasattr(getattr(content.fits_of(output).get(name), "estimator", None), "model_")]
+    models.sort(key=lambda pair: len(pair[1].names))
+    said = []
+    for (small, fewer), (large, more) in pairwise(models):
+        try:
+            test = nested(fewer, more)
+        except FitError:
+            continue  # other runs, or other terms: nothing to test
+        if np.isfinite(test.p):
+            gain = "more" if test.p < 0.05 else "no more"
+            terms = digits.quantity(test.df_terms, "additional term")
+            said.append(f"{large} against {small}: the {terms} explain"
+                        f"{'s' if test.df_terms == 1 else ''} {gain} than the residuals would "
+                        f"(F = {digits.figure(test.f)}, p {_equals(test.p)}).")
     return said
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from textwrap import shorten
+
 import numpy as np
 
 from surrogate.report import digits
@@ -10,6 +12,8 @@ from surrogate.report.content import Content
 
 #: Longer tables start folded.
 LONG = 25
+#: Letters of a message in the table of all runs; the table of failed runs has all of it.
+LONGEST = 120
 
 
 def section(content: Content) -> Section:
@@ -43,7 +47,7 @@ def _failures(content: Content) -> Table:
             f"{name} {digits.with_unit(physical[name][k], content.unit(name))}"
             for name in content.space.names)
         rows.append((Cell(str(content.numbers[k]), float(k)), Cell(content.words("design")[k]),
-                     Cell(content.words("status")[k], tone="bad"),
+                     _status(content.words("status")[k]),
                      Cell(content.words("message")[k] or "no message"), Cell(values)))
     words = ("run", "design", "status", "message", "at")
     return Table("Failed runs: no surrogate has learnt from them.",
@@ -55,8 +59,7 @@ def _table(content: Content) -> Table:
     columns: list[tuple[Head, list[Cell]]] = [
         (Head("run"), [Cell(str(n), float(k)) for k, n in enumerate(numbers)]),
         (Head("design", numeric=False), [Cell(word) for word in content.words("design")]),
-        (Head("status", numeric=False), [Cell(word, tone="" if word == "ok" else "bad")
-                                         for word in content.words("status")])]
+        (Head("status", numeric=False), [_status(word) for word in content.words("status")])]
     for name in content.space.names:
         head = digits.labelled(name, content.unit(name))
         columns.append((Head(head, numeric=not content.space[name].categorical),
@@ -71,11 +74,16 @@ def _table(content: Content) -> Table:
     columns.append((Head("time (s)"), _column(spent, [digits.figure(s) for s in spent])))
     if (content.words("message") != "").any():
         columns.append((Head("message", numeric=False),
-                        [Cell(word) for word in content.words("message")]))
+                        [Cell(shorten(word, LONGEST, placeholder=" …"))
+                         for word in content.words("message")]))
     rows = tuple(zip(*(cells for _, cells in columns), strict=True))
     return Table("Every run with its inputs and outputs. A click on a head sorts.",
                  tuple(head for head, _ in columns), rows, sortable=True,
                  wide=len(columns) > 9)
+
+
+def _status(word: str) -> Cell:
+    return Cell(word.replace("_", " "), tone="" if word == "ok" else "bad")
 
 
 def _column(values, words) -> list[Cell]:
@@ -105,6 +113,6 @@ def for_pointing(content: Content) -> dict[str, str]:
                   for name in content.space.names]
         title = f"run {number} ({content.words('design')[k]})"
         if not content.ok[k]:
-            title += f" {content.words('status')[k]}"
+            title += f" {content.words('status')[k].replace('_', ' ')}"
         lines[str(number)] = "\n".join([title, *inputs])
     return lines
