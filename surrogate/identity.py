@@ -52,9 +52,14 @@ class Recipe:
 
     @property
     def context(self) -> str:
-        """Name, version and options as canonical JSON: all of a run's identity but its inputs."""
-        version = str(self.solver.version)
-        return canonical({"solver": self.name, "version": version, "options": self.options})
+        """Name, version and options as canonical JSON: all of a run's identity but its inputs.
+
+        A solver some of whose options change no answer, such as a time limit, tells the
+        others as the mapping `identity_options`.
+        """
+        options = getattr(self.solver, "identity_options", self.options)
+        return canonical({"solver": self.name, "version": str(self.solver.version),
+                          "options": options})
 
     @property
     def plain_options(self) -> dict[str, Any]:

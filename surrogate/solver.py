@@ -17,6 +17,10 @@ inheritance: ::
 
 A study calls the class with the study's solver options and then the instance
 once a run, by keyword, in the units that `inputs` states.
+
+Two more attributes are optional: `deterministic = False` says that the same inputs
+may give another answer, so that replicates are run; `identity_options` is the
+mapping of those options that change answers, when some do not (a time limit).
 """
 
 from __future__ import annotations

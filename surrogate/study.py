@@ -115,22 +115,30 @@ class Study:
         return rundata.assemble(
             self.space, self.points, self.recipe, read_journal(self.journal(results)),
             constants=self.constants, outputs=self.outputs, study=self.text,
-            seeds={name: design.options.get("seed", 0) for name, design in self.designs.items()})
+            seeds={name: design.options["seed"] for name, design in self.designs.items()
+                   if "seed" in design.options})
 
     def run(self, *, workers: int | None = None, results: Path | None = None,
             executor: Executor | None = None, retry_failed: bool = False,
             progress: Callable[[Progress], None] | None = None) -> xr.Dataset:
         """Do the runs that the journal does not have; returns the runs dataset.
 
-        executor: any concurrent.futures executor in place of local processes.
+        Runs of other studies in the same results folder are taken over where they are the
+        same. executor: any concurrent.futures executor in place of local processes.
         retry_failed: do failed and timed-out runs again.
         """
         execute(self.recipe, rundata.columns(self.space, self.points),
-                journal=self.journal(results), constants=self.constants, outputs=self.outputs,
+                journal=self.journal(results), others=self._neighbours(results), constants=self.constants, outputs=self.outputs,
                 workers=workers or self.execution.workers, timeout=self.execution.timeout,
                 retries=self.execution.retries, executor=executor, progress=progress,
                 rerun=("failed", "timed_out") if retry_failed else ())
         return self.stored(results)
+
+    def _neighbours(self, results: Path | None) -> list[Path]:
+        """Journals of other studies beside this one's results."""
+        own = self.journal(results).resolve()
+        return [journal for journal in sorted(own.parent.parent.glob("*/journal"))
+                if journal != own]
 
     def fit(self, runs: xr.Dataset) -> dict[str, dict[str, Fit]]:
         """Every surrogate fitted to every output: surrogate -> output -> Fit.

@@ -127,6 +127,25 @@ def test_a_larger_sequence_keeps_the_runs_there_are(place):
     assert len((place / "log").read_text().splitlines()) == 49 and "up to date" in again.stdout
 
 
+def test_a_renamed_study_takes_its_runs_along(place):
+    """The same runs under another study name are not done again."""
+    (place / "log").touch()
+    command("run", "small.yaml", cwd=place, check=0)
+    (place / "other.yaml").write_text(SMALL.replace("study: small", "study: other"))
+    command("run", "other.yaml", cwd=place, check=0)
+    assert len((place / "log").read_text().splitlines()) == 32
+
+
+def test_designs_without_a_seed_differ(place):
+    """Two designs of one method without seeds are reproducible, and not the same points."""
+    text = SMALL.replace("{train: {method: sobol, runs: 32, seed: 1}}",
+                         "{train: {method: sobol, runs: 32}, test: {method: sobol, runs: 32}}")
+    (place / "small.yaml").write_text(text)
+    first, second = (Study.from_yaml(place / "small.yaml").points for _ in range(2))
+    np.testing.assert_array_equal(first["train"], second["train"])
+    assert abs(first["train"] - first["test"]).max(axis=1).min() > 1e-6
+
+
 def test_failed_runs_are_data(place):
     """Runs without an answer cost their rows: exit status 1, a report, the reason in status."""
     (place / "small.yaml").write_text(SMALL.replace(

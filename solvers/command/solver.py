@@ -82,6 +82,7 @@ class Command:
         self.inputs = settings.inputs(self.options)
         self.outputs = settings.outputs(self.options)
         self.version = _version(self.options, self.folder, self.texts)
+        self.identity_options: dict[str, Any] = {}  # the version covers all that change answers
 
     def __call__(self, **inputs: float | str) -> dict[str, float | np.ndarray]:
         """Run the program once; raises `SolverError` with its last words when it fails."""

@@ -15,7 +15,7 @@ class Design:
 
     name     as in the study: train, test, ...
     method   what made it
-    options  of that method
+    options  of that method, its seed included
     coded    points, shape (run, parameter), augmentations included
     added    (augmentation, number of rows) in the order of the rows at the end
     """

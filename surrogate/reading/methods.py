@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -73,12 +74,17 @@ def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) 
             rows = method(space, coded)
             added.append((addition.method, len(rows)))
             coded = np.vstack([coded, rows])
-        return Design(name, part.method, dict(part.options), coded, tuple(added))
+        options = {key: value for key, value in first.keywords.items() if key != "folder"}
+        return Design(name, part.method, options, coded, tuple(added))
     return None
 
 
 def _method(reading: Reading, group: str, part, path: studyfile.Path):
-    """The plug-in of a design with its options filled in; None when they are wrong."""
+    """The plug-in of a design with its options filled in; None when they are wrong.
+
+    A seed that the study leaves open follows from the design's name, so that train and
+    test are not the same points.
+    """
     with reading.noting(*path, "method"):
         function = plugins.load(group, part.method, reading.folder)
         mistakes = plugins.option_mistakes(function, part.options, GIVEN_TO_DESIGNS)
@@ -88,7 +94,7 @@ def _method(reading: Reading, group: str, part, path: studyfile.Path):
         taken = plugins.parameters_of(function)
         given = {"folder": reading.folder} if "folder" in taken else {}
         if "seed" in taken:
-            given["seed"] = part.options.get("seed", 0)
+            given["seed"] = part.options.get("seed", zlib.crc32(path[1].encode()))
         return partial(function, **{**part.options, **given})
     return None
 
