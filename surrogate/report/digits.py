@@ -86,10 +86,13 @@ def with_interval(value, low, high, most: int = 9) -> str:
 
 
 def interval(low, high) -> str:
-    """`0.690 to 0.731`, with digits that show its width."""
+    """`0.690 to 0.731`: digits that show its width, and on which side of zero an end lies."""
     if not (_finite(low) and _finite(high)):
         return NOTHING
     decimals = _interval_decimals((high - low) / 2.0, fallback=decimals_of([low]))
+    while decimals < 6 and any(end != 0.0 and round(float(end), decimals) == 0.0
+                               for end in (low, high)):
+        decimals += 1
     return f"{fixed(low, decimals)} to {fixed(high, decimals)}"
 
 

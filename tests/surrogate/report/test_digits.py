@@ -31,6 +31,13 @@ def test_uncertainty_decides_the_decimals():
     assert digits.with_half(3.0, math.nan) == "3.00"
 
 
+def test_interval_shows_on_which_side_of_zero_it_ends():
+    """An interval that just excludes zero does not end at 0.0."""
+    assert digits.interval(0.6901, 0.7312) == "0.690 to 0.731"
+    assert digits.interval(-2.38, -0.043) == f"{MINUS}2.38 to {MINUS}0.04"
+    assert digits.interval(0.0, 2.4) == "0.0 to 2.4"
+
+
 def test_percent_is_never_rounded_to_all_or_nothing():
     """99.97 % is not 100 %, and 0.01 % is not 0 %."""
     assert digits.percent(0.934) == f"93.4{THIN}%" and digits.percent(0.95) == f"95{THIN}%"
