@@ -122,12 +122,22 @@ def test_fields_are_fitted_mode_by_mode():
     assert mean.shape == std.shape == (3, 5, 6)
 
 
+def test_intervals_of_a_field_of_one_mode_are_those_of_its_scalar():
+    """A field s(x) * shape has the scalar's Student intervals, scaled by the shape."""
+    x, y = sample(n=12)
+    shape = np.array([1.0, 2.0, -0.5])
+    low, high = fit(NUMERIC, x, y[:, None] * shape, Linear()).interval(x)
+    scalar_low, scalar_high = fit(NUMERIC, x, y, Linear()).interval(x)
+    np.testing.assert_allclose(high - low, (scalar_high - scalar_low)[:, None] * np.abs(shape),
+                               rtol=1e-9)
+
+
 def test_field_truncation_error_is_the_share_left_out():
     """Eckart-Young: what k modes leave out is sqrt(1 - sum_k s^2 / sum s^2), reproduced here."""
     x = NUMERIC.sample(25, seed=2)
     rng = np.random.default_rng(0)
     field = rng.normal(size=(25, 40)) * np.linspace(1, 0.01, 40)
-    fitted = fit(NUMERIC, x, field, RandomForestRegressor(5)).estimator
+    fitted = fit(NUMERIC, x, field, KNeighborsRegressor(2)).estimator
     fluctuation = field - field.mean(axis=0)
     kept = fluctuation @ fitted.modes_.T @ fitted.modes_
     expected = np.sqrt(((fluctuation - kept) ** 2).sum() / (fluctuation**2).sum())

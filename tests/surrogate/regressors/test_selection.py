@@ -8,6 +8,7 @@ from surrogate.distributions import uniform
 from surrogate.fitting import fit
 from surrogate.regressors.polynomial import Quadratic
 from surrogate.regressors.selection import SELECTED, Lasso, Stepwise
+from surrogate.sensitivity.sobol import sobol
 from surrogate.space import Parameter, Space
 
 SPACE = Space(tuple(Parameter(name, uniform(0, 1)) for name in "abcdef"))
@@ -77,6 +78,14 @@ def test_the_table_says_that_terms_were_selected():
     x, y = runs()
     table = fit(SPACE, x, y, Stepwise()).estimator.regression_table()
     assert SELECTED in table.attrs["notes"] and "a:b" in table["term"]
+
+
+def test_sensitivity_can_refit_a_selected_polynomial():
+    """Its terms are chosen anew in each resample: pairs bootstrap, not Student draws."""
+    x, y = runs()
+    table = sobol(fit(SPACE, x, y, Stepwise()), SPACE, draws=10)
+    assert "bootstrap" in table.attrs["surrogate_part"]
+    assert (table["total_surrogate"] >= 0).all()
 
 
 def test_indices_agree_with_the_full_quadratic():

@@ -15,10 +15,10 @@ from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 
 from surrogate.errors import SurrogateError
+from surrogate.execution.pool import TICK, Event, Task
+from surrogate.execution.workers import Built, Outcome
 from surrogate.identity import Recipe
-from surrogate.pool import TICK, Event, Task
 from surrogate.solver import Output
-from surrogate.workers import Built, Outcome
 
 
 @dataclass
@@ -35,7 +35,7 @@ class Elsewhere:
     lost: list[Future] = field(default_factory=list)
 
     def results(self, queue: deque[Task], stopping: Callable[[], bool]) -> Iterator[Event]:
-        """Like `surrogate.pool.Pool.results`.
+        """Like `surrogate.execution.pool.Pool.results`.
 
         Raises `SurrogateError` when the executor breaks or has no place left.
         """

@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from surrogate.errors import StudyError
-from surrogate.executors import Elsewhere
+from surrogate.execution.executors import Elsewhere
+from surrogate.execution.pool import Event, Pool, Task
 from surrogate.identity import Recipe, calls, keys
 from surrogate.journal import Journal, Record, read
-from surrogate.pool import Event, Pool, Task
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,10 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from surrogate.errors import PluginError
+from surrogate.execution.spawning import parcel, start
+from surrogate.execution.workers import BATCH_SECONDS, Outcome, work
 from surrogate.identity import Call, Recipe
 from surrogate.solver import Output
-from surrogate.spawning import parcel, start
-from surrogate.workers import BATCH_SECONDS, Outcome, work
 
 #: Longest pause between two looks at the clock, in seconds.
 TICK = 0.2
