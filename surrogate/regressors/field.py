@@ -52,6 +52,13 @@ class Field(RegressorMixin, BaseEstimator):
         offered = getattr(self.estimator, "minimum_runs", None)
         return offered(space) if offered else 2
 
+    @property
+    def interval_freedom(self) -> int | None:
+        """Degrees of freedom of the modes' intervals; None where they have none of their own."""
+        return min((freedom for model in self.estimators_
+                    if (freedom := getattr(model, "interval_freedom", None)) is not None),
+                   default=None)
+
     def predict(self, X, return_std=False):
         """Fields (m, ...) at coded X (m, d).
 

@@ -131,9 +131,9 @@ def one_seed(seed) -> int:
 def _refits(one: Model, size: int, seed) -> tuple[Iterator, str]:
     """Refitted estimators, and in words how they were drawn."""
     generator = np.random.default_rng(seed)
-    if not hasattr(one.estimator, "regression_table"):
+    freedom = getattr(one.estimator, "interval_freedom", None)
+    if not hasattr(one.estimator, "regression_table") or freedom is None:
         return _pairs(one, size, generator), "pairs bootstrap"
-    freedom = one.estimator.interval_freedom
     if freedom == 0:
         return iter(()), "unknown: as many coefficients as runs"
     return _student(one, freedom, size, generator), "Student t draws of the coefficients"
