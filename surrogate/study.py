@@ -128,7 +128,8 @@ class Study:
         retry_failed: do failed and timed-out runs again.
         """
         execute(self.recipe, rundata.columns(self.space, self.points),
-                journal=self.journal(results), others=self._neighbours(results), constants=self.constants, outputs=self.outputs,
+                journal=self.journal(results), others=self._neighbours(results),
+                constants=self.constants, outputs=self.outputs,
                 workers=workers or self.execution.workers, timeout=self.execution.timeout,
                 retries=self.execution.retries, executor=executor, progress=progress,
                 rerun=("failed", "timed_out") if retry_failed else ())
