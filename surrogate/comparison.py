@@ -15,6 +15,7 @@ import xarray as xr
 from scipy import stats
 
 from surrogate.fitting import Fit, q2, rmse
+from surrogate.regressors.field import Field
 
 Fits = Mapping[str, Mapping[str, Fit]]
 Runs = tuple[np.ndarray, np.ndarray]
@@ -32,7 +33,9 @@ COLUMNS = {
     "max_error_test": "largest absolute error on the test design",
     "coverage_95": "share of test values inside their 95 % intervals",
     "fit_seconds": "time of the fit in s",
-    "predict_seconds": f"time of predicting {TIMED} points in s"}
+    "predict_seconds": f"time of predicting {TIMED} points in s",
+    "modes": "modes of a field",
+    "truncation_error": "what the modes leave out, a share of the fluctuations' RMS"}
 
 
 def compare(fits: Fits, test: Mapping[str, Runs] | None = None) -> xr.Dataset:
@@ -73,6 +76,9 @@ def _row(fit: Fit, test: Runs | None) -> tuple[dict[str, float], np.ndarray]:
     """Columns of one surrogate and output, and coverage at each level."""
     row = {"q2_cv": fit.q2, "rmse_cv": fit.rmse, "fit_seconds": fit.seconds,
            "predict_seconds": _predict_seconds(fit)}
+    if isinstance(fit.estimator, Field):
+        row |= {"modes": len(fit.estimator.modes_),
+                "truncation_error": fit.estimator.truncation_error_}
     if test is None or not len(test[1]):
         return row, np.full(len(LEVELS), np.nan)
     coded, values = test

@@ -33,11 +33,11 @@ from surrogate.space import Space
 #: Points predicted at once, so that memory stays bounded for any number of them.
 CHUNK = 65_536
 #: Largest number of runs that are left out one at a time.
-LEAVE_ONE_OUT = 30
+LEAVE_ONE_OUT = 20
 FOLDS = 10
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
     """A fitted surrogate of one output.
 

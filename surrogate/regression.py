@@ -26,7 +26,7 @@ DETERMINISTIC = ("The solver is deterministic: the residuals are lack of fit and
                  "how surely an effect exists.")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LeastSquares:
     """A least squares fit of n runs by p terms, of which r are told apart by the runs.
 

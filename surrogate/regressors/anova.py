@@ -21,7 +21,7 @@ from surrogate.errors import FitError
 from surrogate.space import Space
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SobolIndices:
     """Shares of the variance: first_order (d,), total (d,), second_order (d, d) symmetric.
 

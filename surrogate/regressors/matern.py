@@ -51,7 +51,7 @@ def weighted_sum(points: np.ndarray, centres: np.ndarray, lengths: np.ndarray,
     return result
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Conditioned:
     """Kriging algebra for fixed lengths and nugget; R = correlations + nugget I.
 

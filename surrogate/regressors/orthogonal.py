@@ -18,7 +18,7 @@ from surrogate.space import Parameter
 Index = tuple[tuple[int, int], ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Basis:
     """Functions P_0 = 1, P_1, ... of one coded input, orthonormal under its law.
 

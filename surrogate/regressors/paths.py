@@ -33,7 +33,7 @@ RESOLVED = 1e-11
 STEP = 4096
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Eigenfunctions:
     """Eigenfunctions of the kernel in one input: phi = kernel(x, nodes) @ extension.
 
@@ -51,7 +51,7 @@ class Eigenfunctions:
         return correlation(points, self.nodes, self.lengths) @ self.extension
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Paths:
     """Drawn functions of one fitted process, which share their terms.
 

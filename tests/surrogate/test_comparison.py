@@ -115,6 +115,8 @@ def test_fields_and_missing_fits():
     assert best(table) == {"field": "quadratic"}
     assert float(table["q2_test"].sel(surrogate="quadratic")[0]) == pytest.approx(1.0, abs=1e-10)
     assert np.isnan(table["q2_cv"].sel(surrogate="gp")).all()
+    assert float(table["modes"].sel(surrogate="linear")[0]) == 1
+    assert float(table["truncation_error"].sel(surrogate="linear")[0]) < 1e-7
 
 
 def test_saturated_surrogates_are_chosen_by_the_test_design():

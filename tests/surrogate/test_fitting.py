@@ -61,7 +61,7 @@ def test_closed_form_left_out_predictions_equal_scikit_learn_refits():
 
 
 def test_folds_are_balanced_shared_and_fixed_by_the_seed():
-    assert (fitting.folds(30) == np.arange(30)).all()
+    assert (fitting.folds(20) == np.arange(20)).all()
     assert (np.bincount(fitting.folds(200)) == 20).all()
     assert (fitting.folds(200, seed=1) == fitting.folds(200, seed=1)).all()
     assert (fitting.folds(200, seed=1) != fitting.folds(200, seed=2)).any()
