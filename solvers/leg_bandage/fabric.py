@@ -23,6 +23,10 @@ from scipy.interpolate import PchipInterpolator
 from surrogate.errors import SolverError
 
 
+WRINKLING = 0.02
+"""Half the compressive strain at which a fabric has wrinkled fully."""
+
+
 @dataclass(frozen=True)
 class Fabric:
     """Elastic constants of a bandage; nothing in it depends on the mesh.
@@ -36,6 +40,8 @@ class Fabric:
     thickness  mm
     curve      measured (stretch, tension N/mm) pairs of warp tension with the weft free,
                rising from (1, 0); empty: T = K1 (stretch - 1)
+    wrinkled   share of the warp stiffness that is left in compression, where a fabric
+               wrinkles; reached at a strain of -2 WRINKLING, 1: all of it
     """
 
     K1: float
@@ -48,6 +54,7 @@ class Fabric:
     F12: float = 0.0
     thickness: float = 0.7
     curve: tuple[tuple[float, float], ...] = ()
+    wrinkled: float = 1.0
 
     def __post_init__(self):
         for name in ("K1", "K2", "G", "F1", "F2", "tau12", "thickness"):
@@ -83,13 +90,14 @@ class Fabric:
         """W at l2 = 1 without shear, N/mm: the integral of `warp_force` from 1."""
         _, Q12, Q22 = self.membrane
         held = (self.K1 * (not self.curve) + Q12**2 / Q22) / 2 * (stretch - 1) ** 2
+        spared = self._first_slope * self._spared(np.minimum(stretch - 1, 0))[0]
         if not self.curve:
-            return held
+            return held - spared
         inside = np.clip(stretch, self.curve[0][0], self.curve[-1][0])
         tension, slope = self._curve
         beyond = stretch - inside
         work = tension.antiderivative()(inside)
-        return held + work + tension(inside) * beyond + slope(inside) / 2 * beyond**2
+        return held + work + tension(inside) * beyond + slope(inside) / 2 * beyond**2 - spared
 
     def warp_force(self, stretch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """dW/dl1 at l2 = 1 and its slope, N/mm: the tension plus what holds the weft."""
@@ -99,6 +107,29 @@ class Fabric:
         return tension + held * (stretch - 1), slope + held
 
     def _tension_and_slope(self, stretch):
+        tension, slope = self._unwrinkled(stretch)
+        if self.wrinkled == 1:
+            return tension, slope
+        _, spared, softer = self._spared(np.minimum(stretch - 1, 0))
+        return tension + self._first_slope * spared, slope - self._first_slope * softer
+
+    @property
+    def _first_slope(self):
+        return float(self._curve[1](1.0)) if self.curve else self.K1
+
+    def _spared(self, e):
+        """What wrinkling takes off at strains e <= 0, for a stiffness of 1.
+
+        Stiffness (1 - wrinkled) min(-e / (2 d), 1) with d = WRINKLING, and its integrals:
+        energy taken off, compressive force taken off, stiffness taken off.
+        """
+        d, lost = WRINKLING, 1 - self.wrinkled
+        near, far = np.maximum(e, -2 * d), np.minimum(e + 2 * d, 0)
+        energy = -(near**3) / (12 * d) - d * far + far**2 / 2
+        force = near**2 / (4 * d) - far
+        return lost * energy, lost * force, lost * np.minimum(-e / (2 * d), 1)
+
+    def _unwrinkled(self, stretch):
         if not self.curve:
             return self.K1 * (stretch - 1), np.full_like(stretch, self.K1)
         inside = np.clip(stretch, self.curve[0][0], self.curve[-1][0])

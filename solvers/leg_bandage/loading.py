@@ -9,8 +9,6 @@ turns before have deformed it.
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
 from solvers.leg_bandage.model import Model
@@ -18,20 +16,32 @@ from solvers.leg_bandage.solution import NotConverged, creep
 from surrogate.errors import SolverError
 
 FIRST_VISCOSITY = 5e-3
+HELD_VISCOSITY = 2e-2, 1e-3
+"""MPa/mm, of the release, and first and last while held, should one step not do."""
 
 
 def hold(model: Model, u: np.ndarray) -> np.ndarray:
-    """Equilibrium with all contacts stuck, from u; raises SolverError."""
+    """Equilibrium with all contacts stuck, from u; raises SolverError.
+
+    When that is too far for one step the bandage creeps towards it; what is then left of
+    the way is left to the release.
+    """
     problem = model.problem
     for contact in problem.contacts:
         contact.hold()
     problem.viscosity.coefficient = 0.0
+    state = problem.state()
     try:
         u, _ = problem.newton(u, problem.tolerances.passing)
+        problem.cost.steps += 1
+        return u
+    except NotConverged:
+        problem.restore(state)
+        problem.cost.cut_backs += 1
+    try:
+        return creep(problem, u, HELD_VISCOSITY[0], until=HELD_VISCOSITY[1])[0]
     except NotConverged as failure:
         raise _failed(model, "holding the bandage as laid", failure) from failure
-    problem.cost.steps += 1
-    return u
 
 
 def release(model: Model, u: np.ndarray, watch=None) -> np.ndarray:
@@ -39,7 +49,7 @@ def release(model: Model, u: np.ndarray, watch=None) -> np.ndarray:
     for contact in model.problem.contacts:
         contact.release(u)
     try:
-        u, model.problem.cost.rest = creep(model.problem, u, FIRST_VISCOSITY, watch)
+        u, model.problem.cost.rest = creep(model.problem, u, FIRST_VISCOSITY, watch=watch)
     except NotConverged as failure:
         raise _failed(model, "releasing the bandage", failure) from failure
     return u
@@ -47,10 +57,7 @@ def release(model: Model, u: np.ndarray, watch=None) -> np.ndarray:
 
 def solve(model: Model, watch=None) -> np.ndarray:
     """Displacements (ndof,) of the bandaged leg at rest."""
-    start = time.perf_counter()
-    u = release(model, hold(model, np.zeros(model.ndof)), watch)
-    model.problem.cost.add("total", start)
-    return u
+    return release(model, hold(model, np.zeros(model.ndof)), watch)
 
 
 def _failed(model, stage, failure):

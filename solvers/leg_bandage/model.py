@@ -39,7 +39,7 @@ class Mesh:
 
 
 MESHES = {
-    "coarse": Mesh(30, 2, 28, 9.5, 12),
+    "coarse": Mesh(26, 2, 24, 11.0, 10),
     "medium": Mesh(36, 3, 36, 6.5, 20),
     "fine": Mesh(54, 4, 54, 4.4, 30),
 }

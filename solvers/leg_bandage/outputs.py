@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.leg_bandage.contact import project, solve2
+from solvers.leg_bandage.landmarks import Disc
+from solvers.leg_bandage.leg import Leg
 from solvers.leg_bandage.model import Model, midpoints, skin_parameters
 from solvers.leg_bandage.surfaces import Skin, Strip, interpolate_strip
 
@@ -27,15 +29,18 @@ class Imprint:
 
     strip     the bandage's parameters, without the leg
     place     control values (n, 3): theta (unwrapped) and z of the skin beneath, unused
-    pressure  control values (n, 3): pressure on the skin in MPa, layers, slip in mm
+    pressure  control values (n, 3): pressure on the skin in MPa, unused, unused
+    slip      (ns, nw) how far each element slid on the skin, mm
     """
 
     strip: Strip
     place: np.ndarray
     pressure: np.ndarray
+    slip: np.ndarray
 
     def at(self, theta, z):
         """Pressure (mmHg) and number of layers at angles and heights, each (n,)."""
+        theta = theta % (2 * np.pi)
         total = np.zeros(len(theta))
         layers = np.zeros(len(theta))
         first, last = self.place[:, 0].min(), self.place[:, 0].max()
@@ -87,13 +92,28 @@ def imprint(model: Model, u: np.ndarray) -> Imprint:
     report = model.skin.report(u)
     force[model.points["skin"]] = report["p"] * model.skin.points.area
     force = _onto_elements(force.reshape(laid.cover.shape)).ravel()
-    layers = laid.layers[:, 1:-1].ravel()
-    values = np.stack([force / area, layers, slip], axis=-1)
 
     turns = 2 * np.pi / len(model.mesh.theta)
     height = model.mesh.z[1] - model.mesh.z[0]
     place = np.column_stack([xi[:, 0] * turns, model.mesh.z[0] + xi[:, 1] * height])
-    return Imprint(strip, _spline(place.reshape(*shape, 2)), _spline(values.reshape(*shape, 3)))
+    pressure = (force / area).reshape(*shape, 1)
+    places = _spline(place.reshape(*shape, 2))
+    return Imprint(strip, places, _spline(pressure), slip.reshape(shape))
+
+
+def on_disc(found: Imprint, leg: Leg, disc: Disc) -> tuple[float, float]:
+    """Mean pressure (mmHg) and mean number of layers over a sensor; NaN for a disc at NaN."""
+    if not np.isfinite(disc.z):
+        return np.nan, np.nan
+    theta, z, weights = disc.points(leg, rings=6, spokes=24)
+    pressure, layers = found.at(theta, z)
+    return float(weights @ pressure), float(weights @ layers)
+
+
+def field(found: Imprint, leg: Leg, theta: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """Pressure (theta, heights) in mmHg on angles and heights over the leg's length."""
+    grid = np.meshgrid(theta, heights * leg.length, indexing="ij")
+    return found.at(grid[0].ravel(), grid[1].ravel())[0].reshape(grid[0].shape)
 
 
 def _onto_elements(force):

@@ -10,7 +10,6 @@ Units: N, mm, MPa; c in MPa/mm.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -42,8 +41,10 @@ class Tolerances:
     viscosity: tuple[float, float] = (1e-6, 0.5)
 
 
-FASTEST = 32
-"""By how much the viscosity falls after a step that converged easily."""
+FASTEST, SLOWEST = 32.0, 4.0
+"""By how much the viscosity falls from step to step before and after a step has failed."""
+HOPELESS = 1e3
+"""A step is given up when after half its iterations this many tolerances are unbalanced."""
 
 
 @dataclass
@@ -148,7 +149,7 @@ class Problem:
         Steps are capped in length, not forced to lower the residual: contact that closes
         raises it for an iteration or two (non-monotone). Raises NotConverged.
         """
-        limits, best = self.tolerances, np.inf
+        limits = self.tolerances
         force = limits.force if force is None else force
         residual, packed = self._residual(u)
         for iteration in range(1, limits.iterations + 1):
@@ -159,9 +160,10 @@ class Problem:
             self.cost.iterations += 1
             if size < force and step > 0.99:
                 return u, iteration
-            if not np.isfinite(size) or (iteration > 8 and size > 1e3 * best):
+            if not np.isfinite(size) or (
+                iteration >= limits.iterations / 2 and size > HOPELESS * limits.passing
+            ):
                 break
-            best = min(best, size)
         free = self.system.free
         raise NotConverged(size, int(free[np.argmax(np.abs(residual[free]))]))
 
@@ -205,38 +207,42 @@ class Problem:
         raise NotConverged(np.inf, 0)
 
 
-def creep(problem: Problem, u, viscosity: float, watch: Callable | None = None):
-    """Let the bandage move until it rests; returns u and the last viscous traction, MPa.
+def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None):
+    """Let the bandage move; returns u and the last viscous traction, MPa.
 
-    watch(step, viscosity, move, iterations) is told about each accepted step. Raises
-    NotConverged when the largest viscosity does not help or the steps run out.
+    Ends when the viscosity has come down to `until`, or, without it, when the bandage
+    rests. The viscosity falls fast until a step fails; from then on slowly, and each
+    step starts from where the last one was heading. watch(step, viscosity, move,
+    iterations) is told about each accepted step. Raises NotConverged when the largest
+    viscosity does not help or the steps run out.
     """
     limits, drag, cost = problem.tolerances, problem.viscosity, problem.cost
-    smallest, largest = limits.viscosity
-    last = NotConverged(np.inf, 0)
-    bandage = drag.area > 0
+    smallest, largest = max(until, limits.viscosity[0]), limits.viscosity[1]
+    bandage, pace, heading = drag.area > 0, FASTEST, np.zeros_like(u)
+    failure = NotConverged(np.inf, 0)
     for step in range(limits.steps):
         drag.coefficient, drag.origin = viscosity, u
-        state = problem.state()
-        last_step = viscosity <= smallest
+        state, final = problem.state(), viscosity <= smallest
         try:
-            new, iterations = problem.newton(u, limits.force if last_step else limits.passing)
-        except NotConverged as failure:
+            new, iterations = problem.newton(u + heading, limits.force if final else limits.passing)
+        except NotConverged as trouble:
             problem.restore(state)
             cost.cut_backs += 1
-            viscosity, last = 8 * viscosity, failure
+            failure, pace, heading = trouble, SLOWEST, np.zeros_like(u)
+            viscosity *= SLOWEST
             if viscosity > largest:
                 break
             continue
         cost.steps += 1
         for contact in problem.contacts:
             contact.accept(new)
-        move = float(np.abs(new - u)[bandage].max())
-        u = new
+        change, u = new - u, new
+        move = float(np.abs(change[bandage]).max())
         if watch:
             watch(step, viscosity, move, iterations)
-        if last_step and viscosity * move < limits.rest:
+        if final and (until or viscosity * move < limits.rest):
             return u, viscosity * move
-        if iterations < 14:
-            viscosity = max(viscosity / (FASTEST if iterations < 9 else 4), smallest)
-    raise last
+        if pace == SLOWEST:
+            heading = change
+        viscosity = max(viscosity / pace, smallest)
+    raise failure

@@ -25,6 +25,8 @@ from surrogate.errors import SolverError
 
 Surface = Callable[..., np.ndarray]
 SAMPLES_A_TURN = 180
+LEAST_GIRTH = 260.0
+"""mm; below it the rows shrink with the leg, to follow its curvature."""
 EVEN_PASSES = 2
 """Times the rows are shifted to even out what lifting by the layers does to them."""
 
@@ -100,9 +102,12 @@ def wrap_for(length: float, *, overlap: float, width=100.0, start_height=-10.0, 
 
 
 def element_rows(surface: Surface, wrap: Wrap, size: float) -> int:
-    """Number of element rows of about `size` mm (laid) along the midline."""
+    """Number of element rows along the midline: of about `size` mm (laid), less on a thin leg.
+
+    A turn never has fewer rows than on a leg with a girth of `LEAST_GIRTH`.
+    """
     _, arc = _midline_arc(surface, wrap)
-    return max(int(round(arc[-1] / size)), 8)
+    return int(round(max(arc[-1], wrap.turns * LEAST_GIRTH) / size))
 
 
 def lay(surface: Surface, wrap: Wrap, ns: int, nw: int) -> Lay:

@@ -1,5 +1,7 @@
 """The bandage's elastic constants and its named presets."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -90,3 +92,27 @@ def test_unknown_bandage_names_the_nearest():
     """A misspelt name is answered with the right one."""
     with pytest.raises(SolverError, match="did you mean 'biflex_16'"):
         bandage("biflex16")
+
+
+@pytest.mark.parametrize("curve", [(), ((1.0, 0.0), (1.2, 0.03), (1.5, 0.2))])
+def test_wrinkled_fabric_keeps_tension_and_loses_compression(curve):
+    """Force and stiffness are derivatives of the energy; in tension nothing changes.
+
+    Fully wrinkled, the stiffness is the stated share of what it was at stretch 1, and
+    the force has lost (1 - share) K1 (e^2 / (4 d)) up to e = -2 d, with d = WRINKLING.
+    """
+    plain = replace(NOMINAL, curve=curve)
+    soft = replace(plain, wrinkled=0.05)
+    stretch = np.linspace(0.8, 1.4, 241)
+    force, slope = soft.warp_force(stretch)
+    h = 1e-6
+    energy = (soft.warp_energy(stretch + h) - soft.warp_energy(stretch - h)) / (2 * h)
+    forces = (soft.warp_force(stretch + h)[0] - soft.warp_force(stretch - h)[0]) / (2 * h)
+    smooth = np.abs(stretch - 1) > 1e-3
+    assert np.allclose(energy[smooth], force[smooth], atol=1e-8)
+    assert np.allclose(forces[smooth], slope[smooth], atol=1e-5)
+    tense = stretch >= 1
+    assert np.array_equal(force[tense], plain.warp_force(stretch[tense])[0])
+    first = plain._tension_and_slope(np.array([1.0]))[1][0]
+    assert soft._tension_and_slope(np.array([0.9]))[1][0] == pytest.approx(0.05 * first)
+    assert soft.tension(0.96) == pytest.approx(first * (-0.04 + 0.95 * 0.02))
