@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from itertools import product
+from dataclasses import dataclass
+from itertools import permutations, product
 
 import numpy as np
 import xarray as xr
 from scipy import stats
 
 from surrogate.fitting import Fit, q2, rmse
+from surrogate.regression import Nested, nested
 from surrogate.regressors.field import Field
+from surrogate.regressors.polynomial import Polynomial
 
 Fits = Mapping[str, Mapping[str, Fit]]
 Runs = tuple[np.ndarray, np.ndarray]
@@ -126,6 +129,44 @@ def paired_test(first: Fit, second: Fit) -> float:
     if not np.isfinite(variance) or variance == 0.0:
         return np.nan
     return float(2.0 * stats.t.sf(abs(d.mean()) / np.sqrt(variance), len(d) - 1))
+
+
+@dataclass(frozen=True)
+class NestedTest:
+    """F test of a larger least squares surrogate against a smaller one of the same output."""
+
+    output: str
+    smaller: str
+    larger: str
+    test: Nested
+
+    @property
+    def sentence(self) -> str:
+        """What the test says, in words."""
+        start = f"{self.output}: the {self.test.df_terms} terms of {self.larger} that " \
+                f"{self.smaller} has not"
+        if np.isnan(self.test.p):
+            return f"{start} cannot be tested; {self.larger} leaves no residual to test against."
+        verdict = "explain more than" if self.test.p < SIGNIFICANT else "explain no more than"
+        return (f"{start} {verdict} their number would by chance (F = {self.test.f:.3g} on "
+                f"{self.test.df_terms} and {self.test.df_residual} degrees of freedom, "
+                f"p = {self.test.p:.2g}).")
+
+
+def nested_tests(fits: Fits) -> list[NestedTest]:
+    """F tests of all pairs of polynomial surrogates, one within the other, of the same runs."""
+    polynomials = [fit for each in fits.values() for fit in each.values()
+                   if isinstance(fit.estimator, Polynomial)]
+    return [NestedTest(small.output, small.surrogate, large.surrogate,
+                       nested(small.estimator.model_, large.estimator.model_))
+            for small, large in permutations(polynomials, 2) if _within(small, large)]
+
+
+def _within(small: Fit, large: Fit) -> bool:
+    """True for polynomials of one output and the same runs, all terms of one in the other."""
+    terms = [set(fit.estimator.model_.names) for fit in (small, large)]
+    return (small.output == large.output and terms[0] < terms[1]
+            and np.array_equal(small.coded, large.coded))
 
 
 def _squared_errors(fit: Fit) -> np.ndarray:

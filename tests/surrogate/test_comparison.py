@@ -6,7 +6,7 @@ import xarray as xr
 from scipy import stats
 from sklearn.ensemble import RandomForestRegressor
 
-from surrogate.comparison import COLUMNS, best, compare, paired_test
+from surrogate.comparison import COLUMNS, best, compare, nested_tests, paired_test
 from surrogate.distributions import uniform
 from surrogate.fitting import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
@@ -126,6 +126,22 @@ def test_saturated_surrogates_are_chosen_by_the_test_design():
     assert np.isnan(table["q2_cv"]).all() and np.isfinite(table["q2_test"]).all()
     assert "no surrogate can be cross-validated" in str(table["sentence"].values[0])
     assert "lack of runs" in str(compare(fits)["sentence"].values[0])
+
+
+def test_nested_polynomials_are_tested_pair_by_pair():
+    """Three nested models are three pairs; squares explain, interactions with b do not."""
+    models = {"linear": Linear(), "gp": GaussianProcess(), "quadratic": Quadratic(),
+              "interactions": Interactions()}
+    fits = fits_of(models, {"y": runs()})
+    found = {(one.smaller, one.larger): one for one in nested_tests(fits)}
+    assert set(found) == {("linear", "interactions"), ("linear", "quadratic"),
+                          ("interactions", "quadratic")}
+    one = found["linear", "quadratic"]
+    sse = [fits[name]["y"].estimator.model_.sse for name in ("linear", "quadratic")]
+    assert one.test.f == pytest.approx((sse[0] - sse[1]) / 6 / (sse[1] / 40), rel=1e-10)
+    assert one.test.p < 1e-6 and "explain more than" in one.sentence
+    saturated = nested_tests(fits_of({"l": Linear(), "i": Interactions()}, {"y": runs(7)}))
+    assert "cannot be tested" in saturated[0].sentence
 
 
 def test_fits_to_different_runs_are_not_paired():

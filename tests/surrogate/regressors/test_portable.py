@@ -12,6 +12,7 @@ from surrogate.fitting import fit
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
+from surrogate.regressors.selection import Stepwise
 from surrogate.space import Parameter, Space
 
 SPACE = Space((
@@ -97,7 +98,7 @@ def truth(x):
 
 
 @pytest.mark.parametrize("estimator", [
-    Linear(), Interactions(), Quadratic(), PolynomialChaos(), GaussianProcess(),
+    Linear(), Interactions(), Quadratic(), Stepwise(), PolynomialChaos(), GaussianProcess(),
     GaussianProcess(trend="linear")], ids=str)
 @pytest.mark.parametrize("output", ["scalar", "field"])
 def test_plain_python_reproduces_predictions(estimator, output):
