@@ -7,7 +7,7 @@ import xarray as xr
 from SALib.analyze import dgsm as analysis
 
 from surrogate.errors import StudyError
-from surrogate.sensitivity.model import Model, model
+from surrogate.sensitivity.model import Model, model, require_at_least
 from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
 from surrogate.sensitivity.unit_cube import Method, measured, problem
@@ -28,6 +28,7 @@ def dgsm(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 
     categorical parameters and for surrogates with steps, which have no derivative.
     """
     one = model(fit, space, q2=q2)
+    require_at_least(8, samples=samples)
     _require_derivatives(one)
     cube = problem(space)
 

@@ -34,7 +34,7 @@ import numpy as np
 from sklearn.base import clone
 
 from surrogate.errors import FitError
-from surrogate.sensitivity.model import Model
+from surrogate.sensitivity.model import Model, require_at_least
 from surrogate.sensitivity.pick_freeze import Groups, mixed_points, product_moments, ratios
 from surrogate.space import Space
 
@@ -171,6 +171,7 @@ def spread(one: Model, measure, *, draws: int, confidence: float, seed=0,
     Draws are measured on the same points, so that no sampling error enters. A plain
     function has no surrogate part: zeros. Without draws only the missed variance counts.
     """
+    require_at_least(0, draws=draws)
     fitted = measure.of(one.estimator or one)
     if one.estimator is None:
         return tuple(Spread(np.zeros_like(part), np.zeros_like(part), "none: a plain function")

@@ -52,6 +52,13 @@ def _known(q2: float | None, fit) -> float | None:
     return None if q2 is None else float(q2)
 
 
+def require_at_least(least: int, **options: int) -> None:
+    """Refuse counts that are too small to mean anything."""
+    for name, value in options.items():
+        if not value >= least:
+            raise StudyError(f"{name}: {value} is too few; take {least} or more")
+
+
 def require_independent(space: Space, method: str) -> None:
     """Refuse correlated parameters, for methods whose results they would spoil."""
     if not space.independent:

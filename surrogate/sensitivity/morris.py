@@ -7,7 +7,8 @@ import xarray as xr
 from SALib.analyze import morris as analysis
 from SALib.sample import morris as sampling
 
-from surrogate.sensitivity.model import model
+from surrogate.errors import StudyError
+from surrogate.sensitivity.model import model, require_at_least
 from surrogate.sensitivity.table import Q2_NEEDED
 from surrogate.sensitivity.unit_cube import Method, measured, problem
 from surrogate.space import Space
@@ -23,6 +24,10 @@ def morris(fit, space: Space, *, seed=0, confidence: float = 0.95, trajectories:
     (Campolongo, Cariboni and Saltelli 2007, doi 10.1016/j.envsoft.2006.10.004) ranks; a large
     sigma tells of curvature or interaction.
     """
+    require_at_least(2, trajectories=trajectories, levels=levels)
+    if levels % 2:
+        raise StudyError(f"levels: {levels} must be even, so that all levels are equally likely; "
+                         f"take {levels + 1}")
     cube = problem(space)
 
     def sample(one_seed: int) -> np.ndarray:

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from SALib.analyze import pawn as analysis
 
-from surrogate.sensitivity.model import model
+from surrogate.sensitivity.model import model, require_at_least
 from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
 from surrogate.sensitivity.unit_cube import Method, measured, problem
@@ -22,6 +22,8 @@ def pawn(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 
     its whole distribution (Pianosi and Wagener 2018, doi 10.1016/j.envsoft.2018.07.019). A
     parameter without effect has a small value, not 0: a slice holds samples / slices points.
     """
+    require_at_least(2, slices=slices)
+    require_at_least(8 * slices, samples=samples)
     cube = problem(space)
 
     def sample(one_seed: int) -> np.ndarray:

@@ -36,6 +36,7 @@ from scipy import stats
 from scipy.stats import qmc
 
 from surrogate.errors import StudyError
+from surrogate.sensitivity.model import require_at_least
 from surrogate.space import Space
 
 Predict = Callable[[np.ndarray], np.ndarray]
@@ -74,8 +75,8 @@ def pick_freeze(predict: Predict, space: Space, *, groups: Groups | None = None,
                  (2 d + 2) evaluations each for d groups, in blocks of bounded memory
     scramblings  independent randomisations; their scatter gives the intervals
     """
-    if scramblings < 4:
-        raise StudyError(f"scramblings: {scramblings} is too few for an interval; take 8 or more")
+    require_at_least(4, scramblings=scramblings)
+    require_at_least(8, samples=samples)
     moments = product_moments(predict, space, groups=groups, samples=samples,
                               scramblings=scramblings, seed=seed)
     values, errors = jackknife(ratios, moments)

@@ -23,7 +23,7 @@ from scipy import stats
 from surrogate.errors import StudyError
 from surrogate.sensitivity.conditional import Pairs
 from surrogate.sensitivity.draws import closed_form, spread
-from surrogate.sensitivity.model import Model, model
+from surrogate.sensitivity.model import Model, model, require_at_least
 from surrogate.sensitivity.pick_freeze import (
     BLOCK,
     jackknife,
@@ -54,8 +54,8 @@ def shapley(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int
     `_sampling`, `_surrogate`. Closed form where a surrogate has no interactions above second
     order and parameters are independent.
     """
-    if scramblings < 4:
-        raise StudyError(f"scramblings: {scramblings} is too few for an interval; take 8 or more")
+    require_at_least(4, scramblings=scramblings)
+    require_at_least(8, samples=samples)
     one = model(fit, space, q2=q2)
     exact = space.independent and _second_order(one.estimator) is not None
     measure = Measure(space, exact, seed)

@@ -18,7 +18,7 @@ from scipy import stats
 
 from surrogate.errors import StudyError
 from surrogate.sensitivity.draws import spread
-from surrogate.sensitivity.model import Model, require_independent
+from surrogate.sensitivity.model import Model, require_at_least, require_independent
 from surrogate.sensitivity.table import Estimate, dataset
 from surrogate.space import Space
 
@@ -70,8 +70,7 @@ def measured(one: Model, method: Method, *, seed, confidence: float, replicates:
     if np.ndim(one.predict(one.space.sample(2, seed=0))) != 1:
         raise StudyError(f"sensitivity method {method.name} takes single numbers, but "
                          f"{one.output} is an array; use method sobol or shapley")
-    if replicates < 4:
-        raise StudyError(f"replicates: {replicates} is too few for an interval; take 8 or more")
+    require_at_least(4, replicates=replicates)
     seeds = np.random.default_rng(seed).integers(1, 2**31, replicates).tolist()
     sets = [Measure(method, one.space, s).of(one) for s in seeds]
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, replicates - 1) / np.sqrt(replicates)

@@ -130,3 +130,16 @@ def test_correlated_parameters_and_arrays_are_refused(method):
         method(lambda t: t[:, 0], correlated)
     with pytest.raises(StudyError, match="array; use method sobol"):
         method(lambda t: t[:, :, None] * np.ones(3), unit_space("a", "b"))
+
+
+@pytest.mark.parametrize(("method", "options", "sentence"), [
+    (morris, {"levels": 5}, "levels: 5 must be even.*take 6"),
+    (morris, {"trajectories": 0}, "trajectories: 0 is too few"),
+    (pawn, {"samples": 16}, "samples: 16 is too few; take 128"),
+    (dgsm, {"samples": 1}, "samples: 1 is too few"),
+    (dgsm, {"replicates": 1}, "replicates: 1 is too few"),
+    (dgsm, {"draws": -1}, "draws: -1 is too few")])
+def test_options_without_sense_are_refused_with_the_cure(method, options, sentence):
+    """The value, what is allowed, the cure."""
+    with pytest.raises(StudyError, match=sentence):
+        method(lambda t: t[:, 0], unit_space("a", "b"), **options)

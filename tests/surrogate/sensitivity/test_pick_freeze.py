@@ -145,7 +145,9 @@ def test_output_that_does_not_vary_is_refused_with_a_sentence():
         pick_freeze(lambda x: np.full(len(x), 3.0), UNIT)
 
 
-def test_too_few_scramblings_are_refused():
+@pytest.mark.parametrize("options", [{"scramblings": 2}, {"samples": 0}])
+def test_too_few_of_anything_is_refused_with_the_least(options):
     """An interval from two or three values means nothing."""
-    with pytest.raises(StudyError, match="scramblings: 2 is too few"):
-        pick_freeze(lambda x: x[:, 0], UNIT, scramblings=2)
+    (name, value), = options.items()
+    with pytest.raises(StudyError, match=f"{name}: {value} is too few; take . or more"):
+        pick_freeze(lambda x: x[:, 0], UNIT, **options)
