@@ -11,11 +11,11 @@ over the points,
 
 S_i and T_i are the estimators of Azzini, Mara and Rosati 2021, "Comparison of two sets
 of Monte Carlo estimators of Sobol' indices", Environmental Modelling and Software 144,
-doi 10.1016/j.envsoft.2021.105167; the numerator of S_i is Owen's
-double difference (2013, "Better estimation of small Sobol' sensitivity indices", ACM
-TOMACS 23, doi 10.1145/2457459.2457460). All are sums of products of differences: they do
-not depend on the mean of f, and they vanish with the effect. `benchmarks/sensitivity.py`
-measures them against Janon, Martinez, Jansen and Saltelli's forms.
+doi 10.1016/j.envsoft.2021.105167; the numerator of S_i is Owen's double difference (2013,
+"Better estimation of small Sobol' sensitivity indices", ACM TOMACS 23, doi
+10.1145/2457459.2457460). All are sums of products of differences: they do not depend on the
+mean of f, and they vanish with the effect. `benchmarks/sensitivity.py estimators` measures
+them against Janon's, Jansen's and Saltelli's forms.
 
 The points come in independent scramblings of a Sobol' sequence. The scatter between
 scramblings gives the standard error (jackknife of the ratio, Student quantile; see
