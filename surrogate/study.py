@@ -220,7 +220,17 @@ class Study:
         if self.screening_rule is None or indices is None:
             return None
         return decide(indices, self.screening_rule.freeze_below, space=self.space,
-                      fits=self._analysed(fits, table), seed=0)
+                      fits=self._analysed(fits, table), nominal=self._nominal, seed=0)
+
+    @property
+    def _nominal(self) -> dict[str, float | str]:
+        """The solver's nominal values of those parameters whose range holds theirs."""
+        nominal = {p.name: self.recipe.solver.inputs[p.name].nominal
+                   for p in self.space.parameters}
+        return {p.name: nominal[p.name] for p in self.space.parameters
+                if nominal[p.name] in p.levels or (
+                    not p.categorical and nominal[p.name] is not None
+                    and p.distribution.support[0] <= nominal[p.name] <= p.distribution.support[1])}
 
     def report(self, runs: xr.Dataset, fits: Fits, table: xr.Dataset | None = None,
                indices: xr.Dataset | None = None, *, screening: Screening | None = None,

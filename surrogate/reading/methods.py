@@ -21,7 +21,7 @@ from surrogate.studyfile import DesignPart, SurrogatePart
 #: Parameters of plug-ins that the framework fills in; they are not options.
 GIVEN_TO_DESIGNS = ("space", "coded", "folder")
 GIVEN_TO_REGRESSORS = ("space",)
-GIVEN_TO_SENSITIVITY = ("fit", "space", "confidence")
+GIVEN_TO_SENSITIVITY = ("fit", "space", "confidence", "q2")
 
 
 @dataclass(frozen=True)
