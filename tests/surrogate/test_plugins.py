@@ -1,0 +1,117 @@
+"""Plug-ins: an installed third-party package is found without an edit; bad ones get sentences."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from surrogate import plugins
+from surrogate.errors import PluginError
+
+MODULE = '''
+import numpy as np
+from sklearn.neighbors import KNeighborsRegressor
+from surrogate.solver import Input, Output
+
+class Spring:
+    """Force of a spring."""
+    version = "1"
+    inputs = {"k": Input(unit="N/mm", range=(1, 10)), "x": Input(unit="mm", range=(0, 5))}
+    outputs = {"force": Output(unit="N")}
+    def __call__(self, k, x):
+        return {"force": k * x}
+
+def corners_and_middle(space, *, seed=None, extra: int = 1):
+    """Two corners and the middle."""
+    d = space.size
+    return np.vstack([-np.ones(d), np.ones(d), *[np.full(d, 0.1 * i) for i in range(extra)]])
+
+class Nearest(KNeighborsRegressor):
+    """The nearest run."""
+    def __init__(self):
+        super().__init__(n_neighbors=1)
+
+def broken():
+    """Never loads: see the entry point."""
+'''
+
+ENTRY_POINTS = """\
+[surrogate.solvers]
+spring = springs:Spring
+lost = springs:not_there
+[surrogate.designs]
+corners_and_middle = springs:corners_and_middle
+[surrogate.regressors]
+nearest = springs:Nearest
+"""
+
+STUDY = """\
+study: springs
+solver: spring
+parameters: {k: [1, 10], x: {range: [0, 0.5], unit: cm}}
+designs: {train: {method: corners_and_middle, extra: 4}}
+surrogates: {near: nearest, wide: {method: linear}}
+"""
+
+
+@pytest.fixture
+def installed(tmp_path):
+    """A folder that looks like an installed third-party package, and its environment."""
+    info = tmp_path / "springs-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: springs\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(ENTRY_POINTS)
+    (tmp_path / "springs.py").write_text(MODULE)
+    (tmp_path / "springs.yaml").write_text(STUDY)
+    return tmp_path, {**os.environ, "PYTHONPATH": str(tmp_path)}
+
+
+def command(installed, *words):
+    place, environment = installed
+    return subprocess.run([sys.executable, "-m", "surrogate", *words], cwd=place, text=True,
+                          env=environment, capture_output=True, timeout=300)
+
+
+def test_a_third_party_package_needs_no_edit_here(installed):
+    """Its solver, design and regressor are listed, checked and run by their names."""
+    listed = command(installed, "list").stdout
+    assert "Force of a spring." in listed and "Two corners and the middle." in listed
+    done = command(installed, "run", "springs.yaml")
+    assert done.returncode == 0, done.stderr
+    assert (installed[0] / "results/springs/report.html").exists()
+
+
+def test_a_plugin_that_does_not_load_is_an_error(installed):
+    """A named plug-in whose object is missing: a sentence, status 2; `list` still works."""
+    (installed[0] / "springs.yaml").write_text(STUDY.replace("solver: spring", "solver: lost"))
+    done = command(installed, "check", "springs.yaml")
+    assert done.returncode == 2 and "'lost' does not load" in done.stderr
+    assert "does not load" in command(installed, "list").stdout
+
+
+@pytest.mark.parametrize("name, words", [
+    ("no_module_of_this_name:Thing", "does not load: ModuleNotFoundError"),
+    ("json:NoSuchClass", "does not load: AttributeError"),
+    ("bohrehole", "did you mean 'borehole'"),
+])
+def test_names_that_lead_nowhere(name, words):
+    """Unknown names and paths are PluginErrors that say what is known."""
+    with pytest.raises(PluginError, match=words):
+        plugins.load(plugins.SOLVERS, name)
+
+
+def test_options_are_checked_against_the_signature():
+    """Names and annotated types of options; `given` ones are not the user's."""
+    def method(space, *, runs: int, seed=None):
+        return space, runs, seed
+
+    def problems(**options):
+        return [sentence for _, sentence in plugins.option_mistakes(method, options, ("space",))]
+
+    assert problems(runs=3) == []
+    assert problems(rnus=3) == ["option 'rnus' is unknown; did you mean 'runs'? "
+                                "Allowed: runs, seed"]
+    assert problems(space=1, runs=1)[0].startswith("option 'space' is unknown")
+    assert "'three' is not accepted" in problems(runs="three")[0]
+    assert problems() == ["option 'runs' is needed"]
