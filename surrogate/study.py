@@ -179,7 +179,8 @@ class Study:
 
     def regressions(self, fits: Fits) -> dict[str, dict[str, xr.Dataset]]:
         """Regression tables: surrogate -> output -> dataset, for polynomials of scalars."""
-        tables = {name: {output: fit.estimator.regression_table()
+        deterministic = self.recipe.deterministic
+        tables = {name: {output: fit.estimator.regression_table(deterministic=deterministic)
                          for output, fit in by_output.items()
                          if hasattr(fit.estimator, "regression_table")}
                   for name, by_output in fits.items()}
