@@ -275,11 +275,21 @@ class Contact:
 
     # -- pattern -----------------------------------------------------------------------
 
-    def close(self):
-        """Set the offsets so that all gaps are zero at zero displacement."""
-        k = self._kinematics(self.X)
+    def close(self, u=0.0):
+        """Set the offsets so that all gaps are zero at displacements u, and anchor there."""
+        k = self._kinematics(self.X + np.reshape(np.broadcast_to(u, self.X.size), self.X.shape))
         self.offset = self.offset + k["gap"]
         self.current = replace(self.current, xi=k["xi"], anchor=k["xi"].copy())
+        self.rebuild()
+
+    def take_over(self, old: Contact, n: int):
+        """Give the first n points the offsets, projections and anchors that they had in `old`."""
+        self.offset[:n] = old.offset[:n]
+        for mine, theirs in zip(
+            (self.current.xi, self.current.anchor, self.current.w),
+            (old.current.xi, old.current.anchor, old.current.w), strict=True,
+        ):
+            mine[:n] = theirs[:n]
         self.rebuild()
 
     def follow(self, u):

@@ -47,7 +47,7 @@ class Imprint:
         for turn in range(int(first // (2 * np.pi)) - 1, int(last // (2 * np.pi)) + 2):
             xi, inside = self._find(theta + 2 * np.pi * turn, z)
             values = self.strip.at(xi[inside], self.pressure)[:, 0]
-            total[inside] += values[:, 0]
+            total[inside] += np.maximum(values[:, 0], 0.0)
             layers[inside] += 1
         return total / MMHG, layers
 

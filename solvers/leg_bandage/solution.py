@@ -43,6 +43,8 @@ class Tolerances:
 
 FASTEST, SLOWEST = 32.0, 4.0
 """By how much the viscosity falls from step to step before and after a step has failed."""
+LONG_MOVE = 3.0
+"""mm; once a step has failed the viscosity falls only as long as steps stay shorter."""
 HOPELESS = 1e3
 """A step is given up when after half its iterations this many tolerances are unbalanced."""
 
@@ -244,5 +246,8 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
             return u, viscosity * move
         if pace == SLOWEST:
             heading = change
-        viscosity = max(viscosity / pace, smallest)
+            slower = np.clip((LONG_MOVE / move) ** 2, 1.0, SLOWEST)
+            viscosity = max(viscosity / slower, smallest)
+        else:
+            viscosity = max(viscosity / pace, smallest)
     raise failure

@@ -27,6 +27,8 @@ Surface = Callable[..., np.ndarray]
 SAMPLES_A_TURN = 180
 LEAST_GIRTH = 260.0
 """mm; below it the rows shrink with the leg, to follow its curvature."""
+MEETS = 1.0
+"""mm; a turn beneath whose bare surface is farther than this does not pass beneath."""
 EVEN_PASSES = 2
 """Times the rows are shifted to even out what lifting by the layers does to them."""
 
@@ -106,13 +108,13 @@ def element_rows(surface: Surface, wrap: Wrap, size: float) -> int:
 
     A turn never has fewer rows than on a leg with a girth of `LEAST_GIRTH`.
     """
-    _, arc = _midline_arc(surface, wrap)
+    _, arc = midline_arc(surface, wrap)
     return int(round(max(arc[-1], wrap.turns * LEAST_GIRTH) / size))
 
 
 def lay(surface: Surface, wrap: Wrap, ns: int, nw: int) -> Lay:
     """Lay a strip of ns x nw elements whose rows have the same length along its midline."""
-    angles, arc = _midline_arc(surface, wrap)
+    angles, arc = midline_arc(surface, wrap)
     rank = np.arange(ns + 3) - 1.0
     knots = CubicSpline(arc, angles)(rank / ns * arc[-1])
     for _ in range(EVEN_PASSES):
@@ -207,7 +209,7 @@ def _normal(surface, place):
     return normal / np.linalg.norm(normal, axis=-1)[..., None]
 
 
-def _midline_arc(surface, wrap):
+def midline_arc(surface, wrap):
     """Angles and running length of the midline on the bare surface, finely sampled."""
     turn = 2 * np.pi
     steps = int(np.ceil(wrap.turns * SAMPLES_A_TURN))
@@ -234,7 +236,7 @@ def _turns_beneath(strip, bare, net, wrap, theta_mid, columns):
     X = interpolate_strip(bare[:, net]).reshape(-1, 3)
     shape = bare.shape[:2]
     rank = np.arange(shape[0]) - 0.5
-    depth = max(int(np.ceil(wrap.width / wrap.pitch)), 1)
+    depth = int(np.ceil(min(wrap.width / wrap.pitch, wrap.turns)))
     covers = np.zeros((depth, *shape))
     beneath = np.zeros((*shape, 2))
     for k in range(1, depth + 1):
@@ -244,6 +246,7 @@ def _turns_beneath(strip, bare, net, wrap, theta_mid, columns):
         near = (seed[..., 0] > -2) & (seed[..., 1] < strip.nw + 2)
         found = seed.copy()
         found[near] = project(strip, bare[near], X, seed[near])
+        near[near] = np.linalg.norm(strip.at(found[near], X)[:, 0] - bare[near], axis=1) < MEETS
         covers[k - 1] = np.where(near, _inside(found, strip), 0.0)
         if k == 1:
             beneath = found
