@@ -88,17 +88,16 @@ def imprint(model: Model, u: np.ndarray) -> Imprint:
     turn = strip.at(midpoints(strip), grid)[:, 1:3, :2]
     stretch = np.abs(turn[:, 0, 0] * turn[:, 1, 1] - turn[:, 0, 1] * turn[:, 1, 0])
     area = stretch * np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)
-    force = np.zeros(laid.cover.size)
-    report = model.skin.report(u)
-    force[model.points["skin"]] = report["p"] * model.skin.points.area
-    force = _onto_elements(force.reshape(laid.cover.shape)).ravel()
+    pressure = np.zeros(laid.cover.size)
+    pressure[model.points["skin"]] = model.skin.report(u)["p"]
+    pressure = (pressure.reshape(laid.cover.shape) * (1 - laid.cover))[:, 1:-1]
+    pressure = pressure * laid.density / area.reshape(shape)
 
     turns = 2 * np.pi / len(model.mesh.theta)
     height = model.mesh.z[1] - model.mesh.z[0]
     place = np.column_stack([xi[:, 0] * turns, model.mesh.z[0] + xi[:, 1] * height])
-    pressure = (force / area).reshape(*shape, 1)
     places = _spline(place.reshape(*shape, 2))
-    return Imprint(strip, places, _spline(pressure), slip.reshape(shape))
+    return Imprint(strip, places, _spline(pressure[..., None]), slip.reshape(shape))
 
 
 def on_disc(found: Imprint, leg: Leg, disc: Disc) -> tuple[float, float]:
@@ -114,14 +113,6 @@ def field(found: Imprint, leg: Leg, theta: np.ndarray, heights: np.ndarray) -> n
     """Pressure (theta, heights) in mmHg on angles and heights over the leg's length."""
     grid = np.meshgrid(theta, heights * leg.length, indexing="ij")
     return found.at(grid[0].ravel(), grid[1].ravel())[0].reshape(grid[0].shape)
-
-
-def _onto_elements(force):
-    """Forces (ns, nw + 2) at the points of contact, the edges' added to their elements."""
-    inner = force[:, 1:-1].copy()
-    inner[:, 0] += force[:, 0]
-    inner[:, -1] += force[:, -1]
-    return inner
 
 
 def _spline(values):

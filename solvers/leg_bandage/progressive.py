@@ -96,7 +96,7 @@ def _lay_on(surface, laid: Lay, wrap: Wrap, steps, model: Model | None) -> Lay:
     if model is None:
         return now
     rows, old = _kept_rows(model), model.lay
-    fields = ("area", "skin", "cover", "beneath", "layers")
+    fields = ("area", "density", "skin", "cover", "beneath", "layers")
     joined = {
         name: np.concatenate([getattr(old, name)[:rows], getattr(now, name)[rows:]])
         for name in fields

@@ -69,6 +69,7 @@ class Lay:
     points   (ns, nw + 2, 2) strip parameters where contact is looked at: the midpoints of
              the elements and, so that no edge dives, both edges
     area     (ns, nw + 2) laid area that belongs to each of them, mm2
+    density  (ns, nw) laid area of the elements, from their midpoints, mm2
     skin     (ns, nw + 2, 2) theta and z of the skin under each
     cover    (ns, nw + 2) share of each that the turn beneath carries, 0..1
     beneath  (ns, nw + 2, 2) strip parameters of the point of that turn beneath
@@ -81,6 +82,7 @@ class Lay:
     lengths: np.ndarray
     points: np.ndarray
     area: np.ndarray
+    density: np.ndarray
     skin: np.ndarray
     cover: np.ndarray
     beneath: np.ndarray
@@ -147,7 +149,8 @@ def lay_rows(surface: Surface, wrap: Wrap, knots: np.ndarray, nw: int) -> Lay:
         X=X,
         lengths=_midline_lengths(strip, X) / wrap.stretch,
         points=points,
-        area=_shared_out(strip_area(strip, X)),
+        area=(per_cell := density(strip, X, points)) * _shares(nw),
+        density=per_cell[:, 1:-1],
         skin=place[inner],
         cover=cover[inner],
         beneath=beneath[inner],
@@ -156,10 +159,22 @@ def lay_rows(surface: Surface, wrap: Wrap, knots: np.ndarray, nw: int) -> Lay:
     )
 
 
-def _shared_out(area):
-    """Areas (ns, nw) of elements shared with the points on the edges, (ns, nw + 2)."""
-    first, last = area[:, :1], area[:, -1:]
-    return np.hstack([first / 4, first * 0.75, area[:, 1:-1], last * 0.75, last / 4])
+def _shares(nw):
+    """Weights (nw + 2,) of the points across that integrate every B-spline exactly.
+
+    A uniform pressure then needs the same pressure at all of them, edges included.
+    """
+    strip = Strip(1, nw)
+    columns = np.concatenate([[0.0], np.arange(nw) + 0.5, [nw]])
+    nodes, weights = strip.stencil(np.column_stack([np.full(nw + 2, 0.5), columns]))
+    values = np.zeros((nw + 2, nw + 2))
+    for row, (node, weight) in enumerate(zip(nodes % (nw + 2), weights[0], strict=True)):
+        np.add.at(values[:, row], node, weight)
+    whole = np.ones(nw + 2)
+    whole[[0, -1]], whole[[1, -2]] = 1 / 6, 5 / 6
+    if nw == 1:
+        whole[1] = 2 / 3
+    return np.linalg.solve(values, whole)
 
 
 def across(surface: Surface, wrap: Wrap, theta_mid: np.ndarray, columns) -> np.ndarray:
@@ -271,11 +286,8 @@ def _midline_lengths(strip, X):
     return speed.reshape(strip.ns, 3) @ GAUSS[1]
 
 
-def strip_area(strip, X):
-    """Area of each element (ns, nw), mm2, by three Gauss points each way."""
-    s, w = np.arange(strip.ns)[:, None] + GAUSS[0], np.arange(strip.nw)[:, None] + GAUSS[0]
-    xi = np.stack(np.meshgrid(s.ravel(), w.ravel(), indexing="ij"), -1).reshape(-1, 2)
-    jet = strip.at(xi, X)
-    density = np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)
-    density = density.reshape(strip.ns, 3, strip.nw, 3)
-    return np.einsum("iajb,a,b->ij", density, GAUSS[1], GAUSS[1])
+def density(strip, X, points):
+    """Area per unit of the strip's parameters at points (..., 2), mm2."""
+    jet = strip.at(points.reshape(-1, 2), X)
+    area = np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)
+    return area.reshape(points.shape[:-1])
