@@ -7,9 +7,20 @@ learnt one by one (Guo and Hesthaven 2018, non-intrusive reduced basis).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from sklearn.base import BaseEstimator, RegressorMixin, clone
+from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
+
+from surrogate.regressors.anova import SobolIndices
+
+
+def _offered(name: str):
+    """Available when the regressor of a mode offers the method `name`."""
+    return available_if(lambda field: hasattr(field.estimator, name))
 
 
 class Field(RegressorMixin, BaseEstimator):
@@ -76,9 +87,62 @@ class Field(RegressorMixin, BaseEstimator):
         variance = spread**2 @ self.modes_**2 + self.left_out_**2
         return fields, np.sqrt(variance).reshape(len(X), *self.shape_)
 
+    @_offered("sobol_indices")
+    def sobol_indices(self) -> SobolIndices:
+        """Indices of the field's variance summed over its places, exact where the modes' are.
+
+        The modes are orthonormal, so variances of amplitudes add: S_i = sum_k V_k S_ki / sum_k
+        V_k (Lamboni, Monod and Makowski 2011, generalised sensitivity indices).
+        """
+        check_is_fitted(self)
+        return _summed([model.sobol_indices() for model in self.estimators_],
+                       self.n_features_in_, self.mean_)
+
+    @_offered("posterior_draws")
+    def posterior_draws(self, size: int, seed=None) -> list["FieldDraw"]:
+        """Fields that are as plausible as the mean, given the runs; modes independent."""
+        check_is_fitted(self)
+        seeds = np.random.SeedSequence(seed).spawn(len(self.estimators_))
+        by_mode = [model.posterior_draws(size, seed=one)
+                   for model, one in zip(self.estimators_, seeds, strict=True)]
+        return [FieldDraw(self, tuple(draws[number] for draws in by_mode))
+                for number in range(size)]
+
     def portable(self) -> dict:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
         return {"kind": "field", "shape": list(self.shape_), "mean": self.mean_.tolist(),
                 "modes": self.modes_.tolist(),
                 "amplitudes": [model.portable() for model in self.estimators_]}
+
+
+@dataclass(frozen=True)
+class FieldDraw:
+    """A plausible field: one draw for the amplitude of each mode of `field`."""
+
+    field: Field
+    amplitudes: tuple
+
+    def predict(self, X) -> np.ndarray:
+        """Fields (m, ...) at coded X (m, d)."""
+        values = np.array([draw.predict(X) for draw in self.amplitudes]).reshape(-1, len(X)).T
+        return (self.field.mean_ + values @ self.field.modes_).reshape(len(X), *self.field.shape_)
+
+    def sobol_indices(self) -> SobolIndices:
+        """Indices of its variance summed over places; see `Field.sobol_indices`."""
+        return _summed([draw.sobol_indices() for draw in self.amplitudes],
+                       self.field.n_features_in_, self.field.mean_)
+
+
+def _summed(modes: Sequence[SobolIndices], size: int, mean: np.ndarray) -> SobolIndices:
+    """Indices of a sum over orthonormal modes; all zero for a field that does not vary."""
+    variances = np.array([mode.variance for mode in modes])
+    total = float(variances.sum())
+    weights = variances / total if total > 0.0 else np.zeros_like(variances)
+
+    def share(name: str, *shape: int) -> np.ndarray:
+        return sum((w * getattr(mode, name) for w, mode in zip(weights, modes, strict=True)),
+                   start=np.zeros(shape))
+
+    return SobolIndices(share("first_order", size), share("total", size),
+                        share("second_order", size, size), total, float(mean.mean()))

@@ -102,7 +102,7 @@ def _posterior(one: Model, measure, size: int, seed) -> list[Indices] | None:
     """Indices of each posterior draw less those of the mean on the same points, or None."""
     if hasattr(one.estimator, "posterior_draws"):
         drawn, pairs = one.estimator.posterior_draws(size, seed=seed), SAMPLES
-        if getattr(measure, "closed", False):
+        if getattr(measure, "closed", False) or not hasattr(drawn[0], "paths"):
             fitted = measure.of(one.estimator)
             return [_moved(measure.of(draw), fitted) for draw in drawn]
 
