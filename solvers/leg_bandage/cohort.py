@@ -59,10 +59,23 @@ def sections_of(snapshots: np.ndarray, length) -> tuple[np.ndarray, np.ndarray]:
 @cache
 def load_cohort(which: str = "train") -> Cohort:
     """The shipped legs: `train` (35) or `val` (38)."""
+    with (DATA / "cohort.npz").open("rb") as stream:
+        return read_cohort(stream, which)
+
+
+def read_cohort(file, which: str = "train") -> Cohort:
+    """The legs in an npz file: `train_coef`, `train_centre`, `train_L` and facts, or `val_...`."""
     prefix = {"train": "train_", "val": "val_"}[which]
-    with (DATA / "cohort.npz").open("rb") as stream, np.load(stream) as stored:
+    with np.load(file) as stored:
         data = {k.removeprefix(prefix): stored[k] for k in stored.files if k.startswith(prefix)}
     arrays = [data.pop(name).astype(float) for name in ("coef", "centre", "L")]
     for array in (*arrays, *data.values()):
         array.flags.writeable = False
     return Cohort(*arrays, facts=data)
+
+
+def write_cohort(file, cohort: Cohort) -> None:
+    """Write legs to learn from, in the form that `read_cohort` reads."""
+    np.savez_compressed(file, train_coef=cohort.coefficients, train_centre=cohort.centre,
+                        train_L=cohort.length,
+                        **{f"train_{name}": values for name, values in cohort.facts.items()})

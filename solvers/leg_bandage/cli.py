@@ -1,0 +1,199 @@
+"""The command `leg-bandage`: from scans of legs to the inputs of the solvers.
+
+Exit status: 0 done; 1 something failed; 2 the input is wrong; 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import traceback
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from solvers.leg_bandage.basis import fit_basis, shipped_basis
+from solvers.leg_bandage.cohort import write_cohort
+from solvers.leg_bandage.scan import FittedScan, ScanError, fit_scan
+from solvers.leg_bandage.scan.growing import GrownCohort, build_cohort, cohort_in
+from solvers.leg_bandage.scan.page import cohort_page, scan_page
+from solvers.leg_bandage.scan.summary import figures
+from surrogate.errors import SurrogateError
+
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True,
+                  context_settings={"help_option_names": ["-h", "--help"]},
+                  help="From the scan of a leg to the pressure under its bandage.")
+
+Side = Annotated[str, typer.Option(help="right, left, or auto: the side that fits better.")]
+Unit = Annotated[str | None, typer.Option(
+    help="Of the file: mm, cm, inch or m; default: the one that makes the ankle an ankle.")]
+Up = Annotated[str | None, typer.Option(
+    metavar="AXIS", help="Axis of the file that points up the leg: z, -y ...; keeps the tilt.")]
+Front = Annotated[str | None, typer.Option(
+    metavar="AXIS", help="Axis of the file that points to the front; needs --up.")]
+Length = Annotated[float | None, typer.Option(
+    metavar="MM", help="Of the leg to take above the ankle; default: to the calf.")]
+Ends = Annotated[bool, typer.Option("--ends", help="Cut where the scan ends.")]
+Html = Annotated[Path | None, typer.Option(
+    metavar="PAGE", help="Write a page that opens offline.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for scripts.")]
+
+
+@app.callback()
+def _verbs() -> None:
+    """Keeps the verbs verbs."""
+
+
+@app.command("fit-scan")
+def fit_scan_verb(
+        scan: Annotated[Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ.")],
+        side: Side = "auto", unit: Unit = None, up: Up = None, front: Front = None,
+        length: Length = None, ends: Ends = False,
+        cohort: Annotated[Path | None, typer.Option(
+            metavar="NPZ", help="Legs to learn the basis from; default: those that ship.")] = None,
+        modes: Annotated[int, typer.Option(min=1, max=10, help="Of the basis.")] = 4,
+        html: Html = None, as_json: AsJson = False) -> None:
+    """Fit the scan of a leg: length, shape coordinates, error, landmarks."""
+    fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends,
+                      **_learnt(cohort, modes))
+    if html is not None:
+        _write(html, scan_page(fitted))
+    if as_json:
+        print(json.dumps(figures(fitted), indent=1))
+    else:
+        _show_scan(fitted, Console())
+        if html is not None:
+            print(f"\npage: {html}")
+
+
+@app.command("build-cohort")
+def build_cohort_verb(
+        folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Of scans.")],
+        out: Annotated[Path, typer.Option(metavar="NPZ", help="The legs go here.")] =
+        Path("cohort.npz"),
+        side: Side = "auto", unit: Unit = None, up: Up = None, front: Front = None,
+        length: Length = None, ends: Ends = False, html: Html = None,
+        as_json: AsJson = False) -> None:
+    """Learn a shape basis from a folder of scans; use it with fit-scan --cohort."""
+    grown = build_cohort(folder, progress=lambda name: print(name, file=sys.stderr), side=side,
+                         unit=unit, up=up, front=front, length=length, ends=ends)
+    out = out.with_suffix(".npz")
+    _reachable(out)
+    with out.open("wb") as stream:
+        write_cohort(stream, grown.cohort)
+    if html is not None:
+        _write(html, cohort_page(grown, folder))
+    if as_json:
+        print(json.dumps(_grown_figures(grown, out), indent=1))
+    else:
+        _show_cohort(grown, out, Console())
+
+
+def _learnt(path: Path | None, modes: int) -> dict[str, Any]:
+    """Basis and range of lengths of the legs in a file; of the shipped ones for None."""
+    if path is None:
+        return {"basis": shipped_basis(modes)}
+    cohort = cohort_in(path)
+    if modes > len(cohort) - 1:
+        raise ScanError(f"{modes} modes cannot be learnt from the {len(cohort)} legs in {path}; "
+                        f"give --modes {len(cohort) - 1} or fewer")
+    return {"basis": fit_basis(cohort.snapshots(), modes),
+            "lengths": (float(cohort.length.min()), float(cohort.length.max()))}
+
+
+def _show_scan(scan: FittedScan, console: Console) -> None:
+    told = figures(scan)
+    rows = [(name, f"{scan.coordinates[name]:.1f} mm" if name == "length"
+             else f"{scan.coordinates[name]:.4f}",
+             f"{low:.1f} .. {high:.1f}" if name == "length" else f"{low:.3f} .. {high:.3f}",
+             "inside" if scan.in_range[name] else "OUTSIDE")
+            for name, (low, high) in scan.ranges.items()]
+    console.print(_table(("coordinate", "value", "legs of the basis", ""), rows))
+    error = scan.error
+    console.print(f"\nerror of the shape: {error.rms:.2f} mm RMS, {error.percentile_95:.2f} mm "
+                  f"95th percentile, {error.largest:.2f} mm at most\n", highlight=False)
+    rows = [(_LANDMARKS[name], *(_place(told["landmarks"][leg][name])
+                                 for leg in ("scanned", "fitted")))
+            for name in _LANDMARKS]
+    console.print(_table(("landmark", "on the scan", "on the fitted leg"), rows))
+    console.print()
+    for note in scan.notes:
+        console.print(f"- {note}", highlight=False, markup=False, soft_wrap=True)
+
+
+_LANDMARKS = {"ankle": "ankle, narrowest", "b1_girth": "B1, girth rule",
+              "b1_profile": "B1, profile rule", "calf": "calf, widest"}
+
+
+def _place(landmark: dict[str, float] | None) -> str:
+    if landmark is None:
+        return "none"
+    return f"{landmark['height']:.0f} mm up, girth {landmark['girth']:.0f} mm"
+
+
+def _show_cohort(grown: GrownCohort, out: Path, console: Console) -> None:
+    for name, why in grown.skipped.items():
+        console.print(f"skipped {name}: {why}", highlight=False, markup=False, soft_wrap=True)
+    rows = [(str(loss.modes), f"{loss.rms:.2f}", f"{loss.percentile_95:.2f}",
+             f"{loss.largest:.2f}", f"{loss.left_out_95:.2f}") for loss in grown.losses]
+    console.print(_table(("modes", "RMS, mm", "95 %, mm", "largest, mm", "95 % left out, mm"), rows))
+    console.print(f"\n{len(grown.cohort)} legs are in {out}; next: leg-bandage fit-scan SCAN "
+                  f"--cohort {out}", highlight=False, markup=False, soft_wrap=True)
+
+
+def _grown_figures(grown: GrownCohort, out: Path) -> dict[str, Any]:
+    facts = grown.cohort.facts
+    return {"cohort": str(out), "skipped": dict(grown.skipped),
+            "legs": [{"file": str(file), "side": str(side), "length": float(length)}
+                     for file, side, length in zip(facts["file"], facts["side"],
+                                                   grown.cohort.length, strict=True)],
+            "losses": [asdict(loss) for loss in grown.losses]}
+
+
+def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
+    made = Table(box=None, pad_edge=False)
+    for heading in headings:
+        made.add_column(heading, overflow="fold")
+    for row in rows:
+        made.add_row(*row)
+    return made
+
+
+def _write(path: Path, html: str) -> None:
+    _reachable(path)
+    path.write_text(html, encoding="utf-8")
+
+
+def _reachable(path: Path) -> None:
+    if not path.parent.is_dir() or path.is_dir():
+        raise ScanError(f"{path}: cannot be written; the folder {path.parent} must be there and "
+                        "the name be that of a file")
+
+
+def main() -> None:
+    """Run the command; people's mistakes end in sentences, never in a traceback."""
+    try:
+        app()
+    except ScanError as error:
+        _stop(error, 2)
+    except KeyboardInterrupt:
+        _stop("interrupted", 130)
+    except BrokenPipeError:  # the reader of a pipe, such as head, has gone
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except (SurrogateError, OSError) as error:
+        _stop(error, 1)
+    except Exception as error:  # a mistake of ours, not of the user
+        log = Path("leg-bandage-error.log").absolute()
+        log.write_text(traceback.format_exc(), encoding="utf-8")
+        _stop(f"internal error: {type(error).__name__}: {error}\nPlease report it with {log}", 1)
+
+
+def _stop(why: object, status: int) -> None:
+    print(why, file=sys.stderr)
+    sys.exit(status)

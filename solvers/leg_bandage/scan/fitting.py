@@ -1,0 +1,272 @@
+"""`fit_scan`: from the scan of a person's leg to its length and shape coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from solvers.leg_bandage.basis import Basis, shipped_basis
+from solvers.leg_bandage.cohort import load_cohort
+from solvers.leg_bandage.feasibility import check_leg
+from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.scan.cuts import Cuts, find_cuts
+from solvers.leg_bandage.scan.directions import Directions
+from solvers.leg_bandage.scan.errors import ScanError
+from solvers.leg_bandage.scan.pose import (
+    Body,
+    Start,
+    as_left,
+    lost,
+    settle,
+    shape_of,
+    stand,
+    starts,
+)
+from solvers.leg_bandage.scan.reading import Surface, read_surface
+from solvers.leg_bandage.scan.refusal import why_no_leg
+from solvers.leg_bandage.scan.sections import THETA, Sections, cut_sections
+from solvers.leg_bandage.scan.units import UNITS, unit_of
+from surrogate.errors import SolverError, nearest
+
+SIDES = ("auto", "right", "left")
+
+SURE_OF_SIDE = 0.2
+"""By what part worse the other side must fit for the side to be told by the shape."""
+
+LARGEST_HOLES = 0.15
+"""Of the skin between the cuts; below it the holes are filled smoothly."""
+
+NO_LEG = 6.0
+"""mm RMS that the shape modes may miss of a leg. Shipped legs that were not learnt from: 0.6 to
+2.5 mm; cylinders, cones and boxes of a leg's size: above 6 mm."""
+
+
+@dataclass(frozen=True)
+class Error:
+    """Distance, mm, between points of scan and fitted leg at the same height and angle."""
+
+    rms: float
+    percentile_95: float
+    largest: float
+
+
+@dataclass(frozen=True)
+class FittedScan:
+    """A person's leg in the numbers of the shape basis.
+
+    path      the file
+    leg       the fitted leg: made from length and alphas
+    scanned   the person's own leg: its 100 sections, between the same cuts, a right leg
+    sections  the same as radii at `THETA`, with where the scan had holes
+    length    mm between the cuts
+    alphas    coordinates on the modes of the basis
+    ranges    name -> (low, high) among the legs of the basis: length, alpha1 ...
+    error     what the modes miss of the skin
+    side      right or left; a left leg was mirrored
+    unit      of the file
+    notes     sentences on what was assumed, done and seen
+    """
+
+    path: Path
+    leg: Leg
+    scanned: Leg
+    sections: Sections
+    length: float
+    alphas: tuple[float, ...]
+    ranges: dict[str, tuple[float, float]]
+    error: Error
+    side: str
+    unit: str
+    notes: tuple[str, ...]
+
+    @property
+    def coordinates(self) -> dict[str, float]:
+        """length and alpha1 ... by name."""
+        return {"length": self.length,
+                **{f"alpha{k}": alpha for k, alpha in enumerate(self.alphas, 1)}}
+
+    @property
+    def in_range(self) -> dict[str, bool]:
+        """Whether each coordinate is between the smallest and largest of the legs of the basis."""
+        return {name: low <= self.coordinates[name] <= high
+                for name, (low, high) in self.ranges.items()}
+
+    @cached_property
+    def residual(self) -> np.ndarray:
+        """(100, RAYS): mm by which the scan lies outside the fitted leg, along its normal."""
+        z = self.leg.z[:, None]
+        fitted = self.leg.surface(THETA, z)
+        normal = np.cross(self.leg.surface(THETA, z, d_theta=1), self.leg.surface(THETA, z, d_z=1))
+        normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+        return ((self.sections.points - fitted) * normal).sum(axis=-1)
+
+
+def fit_scan(path: str | Path, *, side: str = "auto", unit: str | None = None,
+             up: str | None = None, front: str | None = None, length: float | None = None,
+             ends: bool = False, basis: Basis | None = None,
+             lengths: tuple[float, float] | None = None) -> FittedScan:
+    """Fit the scan of a lower leg in an STL, PLY or OBJ file; raises ScanError.
+
+    side     right, left, or auto: the side that fits better, if it does so clearly
+    unit     of the file: mm, cm, inch, m; default: the one that makes the ankle an ankle
+    up       direction in the axes of the file (z, -y ...) that points up the leg; default: the
+             leg is stood up so that the mean leg, made wider or slimmer, fits it best
+    front    likewise the direction of the shin; needs up
+    length   mm of leg to take above the ankle; default: as far as the shipped legs go
+    ends     cut where the scan ends, for a scan that was cut already
+    basis    default: the shipped one with 4 modes
+    lengths  smallest and largest length of the legs of the basis; default: the shipped ones'
+    """
+    known = Directions.parse(up, front)
+    _check(side, unit, length, ends)
+    basis = shipped_basis() if basis is None else basis
+    surface = read_surface(path)
+    try:
+        start, found, about_unit = _start(surface, basis, known, unit)
+        leg = _sided(start, basis, side, length, ends)
+        body, cuts = leg.body, leg.cuts
+        if known.up is not None:
+            body = stand(body, cuts.levels, known)
+            cuts = find_cuts(body, start.zone, length, ends)
+        sections = _sections(body, cuts)
+        notes = (*surface.notes, about_unit, leg.note, _about_pose(known), *cuts.notes,
+                 *_about_holes(sections))
+        return _fitted(Path(path), sections, basis, lengths or _shipped_lengths(), leg.side,
+                       found, notes)
+    except ScanError as error:
+        raise ScanError(f"{path}: {error}") from None
+
+
+def _shipped_lengths() -> tuple[float, float]:
+    length = load_cohort().length
+    return float(length.min()), float(length.max())
+
+
+def _about_pose(known: Directions) -> str:
+    """The sentence that says which directions came from the user."""
+    if known.up is None:
+        return ("direction told by the shape: turned to fit the mean leg, which takes out any "
+                "tilt; give --up to keep it")
+    return "up as given; front " + ("told by the shape" if known.front is None else "as given")
+
+
+def _check(side: str, unit: str | None, length: float | None, ends: bool) -> None:
+    """Raise ScanError for an option that cannot be."""
+    if side not in SIDES:
+        raise ScanError(f"side {side!r} is unknown; {nearest(side, SIDES)}")
+    if unit is not None and unit not in UNITS:
+        raise ScanError(f"unit {unit!r} is unknown; {nearest(unit, UNITS)}")
+    if length is not None and not 100 <= length <= 500:
+        raise ScanError(f"a length of {length:g} mm is not one of a lower leg (100 to 500 mm); "
+                        "give it in millimetres")
+    if length is not None and ends:
+        raise ScanError("either a length or the ends of the scan can set the upper cut; give one")
+
+
+def _start(surface: Surface, basis: Basis, known: Directions, unit: str | None
+           ) -> tuple[Start, str, str]:
+    """The first guess, in mm, with the unit and the sentence about it."""
+    body = Body(surface.vertices, surface.triangles)
+    guesses = starts(body, basis, known.up)
+    if not guesses and known.up is not None and starts(body, basis, None):
+        raise ScanError("no ankle with a calf above it is found along the direction that is given "
+                        "as up; give another --up, or leave it out")
+    if not guesses:
+        raise ScanError(why_no_leg(body))
+    found = unit_of(guesses[0].zone.ankle_girth, unit)
+    start = guesses[0].scaled(UNITS[found])
+    how = "as given" if unit else f"the ankle girth is then {start.zone.ankle_girth:.0f} mm"
+    return start, found, f"unit {found}: {how}"
+
+
+@dataclass(frozen=True)
+class _Sided:
+    """A body as a right leg in the pose of the mean leg, and how it came there."""
+
+    side: str
+    body: Body
+    cuts: Cuts
+    missed: float
+    note: str = ""
+
+
+def _sided(start: Start, basis: Basis, side: str, length: float | None, ends: bool) -> _Sided:
+    """The leg taken for the side that is given, or for the one that clearly fits better."""
+    tried = [_settled(name, start if name == "right" else as_left(start, basis), basis, length,
+                      ends) for name in (SIDES[1:] if side == "auto" else (side,))]
+    best, *others = sorted(tried, key=lambda one: one.missed)
+    if not others:
+        return replace(best, note=f"{best.side} leg, as given")
+    worse = others[0].missed / best.missed - 1
+    if worse < SURE_OF_SIDE:
+        raise ScanError("the shape does not tell whether this is a right or a left leg (the other "
+                        f"side fits only {worse:.0%} worse); give --side right or --side left")
+    return replace(best, note=f"{best.side} leg: told by the shape, the other side fits "
+                              f"{worse:.0%} worse; give --side if that is wrong")
+
+
+def _settled(side: str, start: Start, basis: Basis, length: float | None, ends: bool) -> _Sided:
+    """Pose and cuts depend on each other: both in turn until they stay."""
+    body = start.body
+    for _ in range(8):
+        cuts = find_cuts(body, start.zone, length, ends)
+        body, angle = settle(body, cuts.levels, basis)
+        if angle < 1e-4:
+            break
+    return _Sided(side, body, cuts, _missed(body, cuts, basis))
+
+
+def _missed(body: Body, cuts: Cuts, basis: Basis) -> float:
+    """Norm of what all modes miss of the shape."""
+    shape = shape_of(cut_sections(body.vertices, body.triangles, cuts.levels))
+    return float(np.linalg.norm(lost(shape, basis, basis.modes.shape[1])))
+
+
+def _sections(body: Body, cuts: Cuts) -> Sections:
+    """The 100 sections, ankle centre at the origin; raises ScanError for too many holes."""
+    found = cut_sections(body.vertices, body.triangles, cuts.levels)
+    holes = found.missing.mean()
+    if holes > LARGEST_HOLES:
+        raise ScanError(f"holes make up {holes:.0%} of the skin between the cuts (at most "
+                        f"{LARGEST_HOLES:.0%}); scan the leg all around, or close them")
+    return replace(found, z=found.z - cuts.ankle, centre=found.centre - found.centre[0])
+
+
+def _about_holes(sections: Sections) -> tuple[str, ...]:
+    holes = sections.missing.mean()
+    return (f"holes make up {holes:.1%} of the skin; they are filled smoothly",) if holes else ()
+
+
+def _fitted(path: Path, sections: Sections, basis: Basis, lengths: tuple[float, float],
+            side: str, unit: str, notes: tuple[str, ...]) -> FittedScan:
+    """The modes put to the sections; raises ScanError when they miss too much."""
+    length = float(np.ptp(sections.z))
+    alphas = basis.project(shape_of(sections))
+    leg = Leg.from_alphas(length, alphas, basis)
+    away = np.linalg.norm(sections.points - leg.surface(THETA, leg.z[:, None]), axis=-1)
+    away = away[~sections.missing]
+    error = Error(float(np.sqrt((away**2).mean())), float(np.percentile(away, 95)),
+                  float(away.max()))
+    if error.rms > NO_LEG:
+        raise ScanError(f"the nearest leg of the basis misses the scan by "
+                        f"{error.rms:.1f} mm (RMS; at most {NO_LEG:g}): this is hardly a lower "
+                        "leg; cut the scan to the part from ankle to knee, or say its direction "
+                        "with --up")
+    ranges = {"length": lengths, **{f"alpha{k}": (float(low), float(high))
+                                    for k, (low, high) in enumerate(basis.ranges, 1)}}
+    scanned = Leg.from_sections(length, sections.series, sections.centre)
+    return FittedScan(path, leg, scanned, sections, length, tuple(map(float, alphas)), ranges,
+                      error, side, unit, (*notes, *_possible(leg, "fitted"),
+                                          *_possible(scanned, "scanned")))
+
+
+def _possible(leg: Leg, which: str) -> tuple[str, ...]:
+    """A note when the finite element model would refuse this leg."""
+    try:
+        check_leg(leg)
+    except SolverError as error:
+        return (f"the {which} leg cannot be computed: {error}",)
+    return ()

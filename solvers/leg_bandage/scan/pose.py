@@ -1,0 +1,214 @@
+"""Stand a leg up: z from ankle to calf, y to the front, x to the outside of a right leg.
+
+The shape of a leg tells its pose only up to a convention. Here a leg is turned until the
+first shape mode alone, the mean leg made wider or slimmer, fits its sections best (least
+squares in the norm of the basis; Gauss-Newton on the three angles). The tilt that the
+person had in front of the scanner is thereby taken out; `stand` puts it back when the
+user knows which direction is up, and turns the leg to the front that the user knows.
+
+The start is found by trying: axes from the principal directions of the surface, both ends
+up, the narrowest ankle with a calf above it, 72 turns about the axis; the best fit wins.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass, field, replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from solvers.leg_bandage.basis import INNER, Basis
+from solvers.leg_bandage.cohort import SECTIONS, snapshot
+from solvers.leg_bandage.scan.directions import Directions
+from solvers.leg_bandage.scan.girths import Zone, profile, zones
+from solvers.leg_bandage.scan.reading import triangle_areas
+from solvers.leg_bandage.scan.sections import Sections, cut_sections
+
+TURNS = np.radians(np.arange(0, 360, 5))
+DIFFERENCE = 5e-3
+"""rad, of the finite differences: far above the facets of the mesh, far below its shape."""
+SETTLED, STEPS = 2e-5, 12
+"""rad; a ten-thousandth of the range of an alpha is more. Four steps are usual."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """A surface in some pose: vertices (n, 3), triangles (m, 3).
+
+    frame (3, 3) takes directions in the axes of the file to those of the pose.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    frame: np.ndarray = field(default_factory=lambda: np.eye(3))
+
+    def turned(self, rotation: np.ndarray) -> Body:
+        """Turned by a matrix (3, 3); a reflection turns the triangles inside out, no harm here."""
+        return replace(self, vertices=self.vertices @ rotation.T, frame=rotation @ self.frame)
+
+    def moved(self, by) -> Body:
+        """Shifted by (3,)."""
+        return replace(self, vertices=self.vertices + np.asarray(by, float))
+
+
+@dataclass(frozen=True)
+class Start:
+    """A first guess: the body in it, its ankle and calf, its relative misfit to the mean leg."""
+
+    body: Body
+    zone: Zone
+    misfit: float
+
+    def scaled(self, factor: float) -> Start:
+        """The same in another unit."""
+        body = replace(self.body, vertices=factor * self.body.vertices)
+        zone = Zone(*(factor * number for number in astuple(self.zone)))
+        return replace(self, body=body, zone=zone)
+
+
+MIRROR = np.diag([-1.0, 1.0, 1.0])
+
+
+def starts(body: Body, basis: Basis, up: np.ndarray | None) -> list[Start]:
+    """Guesses for a right leg, best first; [] when no axis shows an ankle under a calf.
+
+    up: the direction (3,) that is known to be up, or None.
+    """
+    found = []
+    for axis in _axes(body) if up is None else [up]:
+        guess = _upright(body.turned(_to_z(axis)))
+        if guess is not None:
+            found.append(_turned_best(Start(*guess, np.inf), basis))
+    return sorted(found, key=lambda start: start.misfit)
+
+
+def as_left(start: Start, basis: Basis) -> Start:
+    """The same body mirrored, so that a left leg is a right one."""
+    return _turned_best(replace(start, body=start.body.turned(MIRROR)), basis)
+
+
+def _axes(body: Body) -> list[np.ndarray]:
+    """Both senses of the principal directions of the surface, longest first."""
+    corners = body.vertices[body.triangles]
+    weight = triangle_areas(corners)
+    middle = corners.mean(axis=1)
+    away = middle - weight @ middle / weight.sum()
+    _, directions = np.linalg.eigh((away * weight[:, None]).T @ away)
+    return [sense * directions[:, k] for k in (2, 1, 0) for sense in (1, -1)]
+
+
+def along_longest(body: Body) -> Body:
+    """The body with its longest principal direction along z."""
+    return body.turned(_to_z(_axes(body)[0]))
+
+
+def _to_z(axis: np.ndarray) -> np.ndarray:
+    """A rotation (3, 3) that takes the direction axis (3,) to z."""
+    axis = axis / np.linalg.norm(axis)
+    side = np.eye(3)[np.abs(axis).argmin()]
+    x = np.cross(side, axis)
+    x /= np.linalg.norm(x)
+    return np.array([x, np.cross(axis, x), axis])
+
+
+def _upright(body: Body) -> tuple[Body, Zone] | None:
+    """The body with its line of centres from ankle to calf along z, and its narrowest zone.
+
+    It is turned three times, for the sections turn with it.
+    """
+    for _ in range(3):
+        seen = zones(profile(body.vertices, body.triangles))
+        if not seen:
+            return None
+        z = np.linspace(seen[0].ankle, seen[0].calf, 12)
+        centre = cut_sections(body.vertices, body.triangles, z).centre
+        body = body.turned(_to_z(np.append(np.polyfit(z, centre, 1)[0], 1.0)))
+    seen = zones(profile(body.vertices, body.triangles))
+    return (body, seen[0]) if seen else None
+
+
+def _turned_best(start: Start, basis: Basis) -> Start:
+    """Turned about z to fit the mean leg best."""
+    z = np.linspace(start.zone.ankle, start.zone.calf, SECTIONS)
+    misfits = _misfits(cut_sections(start.body.vertices, start.body.triangles, z), basis)
+    turn = Rotation.from_rotvec([0, 0, TURNS[misfits.argmin()]]).as_matrix()
+    return Start(start.body.turned(turn), start.zone, float(misfits.min()))
+
+
+def _misfits(sections: Sections, basis: Basis) -> np.ndarray:
+    """Relative misfit (turn,) of the sections to the first mode, after each of the TURNS."""
+    series, place = sections.series, (sections.centre - sections.centre[0]) @ [1, 1j]
+    phase = np.exp(1j * np.outer(TURNS, np.arange(1, 6)))[:, None]
+    waves = (series[:, 1:6] + 1j * series[:, 6:]) * phase
+    mean = np.broadcast_to(series[:, :1], (*waves.shape[:2], 1))
+    place = place * np.exp(1j * TURNS)[:, None]
+    shapes = snapshot(np.concatenate([mean, waves.real, waves.imag], axis=-1),
+                      np.stack([place.real, place.imag], axis=-1),
+                      np.full(len(TURNS), np.ptp(sections.z)))
+    return np.linalg.norm(lost(shapes, basis, 1), axis=1) / np.linalg.norm(shapes, axis=1)
+
+
+def lost(shapes: np.ndarray, basis: Basis, modes: int) -> np.ndarray:
+    """What the first modes leave of snapshots (..., 1300)."""
+    first = basis.modes[:, :modes]
+    return shapes - INNER * shapes @ first @ first.T
+
+
+def shape_of(sections: Sections) -> np.ndarray:
+    """Snapshot (1300,) of sections, centres about the lowest."""
+    return snapshot(sections.series, sections.centre - sections.centre[0],
+                    sections.z[-1] - sections.z[0])
+
+
+def settle(body: Body, z: np.ndarray, basis: Basis) -> tuple[Body, float]:
+    """Turn a body about the centre of its lowest section until the mean leg fits it best.
+
+    z (100,): its levels, which stay. Returns the body, with that centre at x = y = 0, and
+    the whole angle, rad.
+    """
+    body, before = _centred(body, z), body.frame
+    for _ in range(STEPS):
+        step = _towards_mean(body, z, basis)
+        body = _about(body, Rotation.from_rotvec(step).as_matrix(), z[0])
+        if np.linalg.norm(step) < SETTLED:
+            break
+    return body, float(np.arccos(np.clip((np.trace(body.frame @ before.T) - 1) / 2, -1, 1)))
+
+
+def stand(body: Body, z: np.ndarray, known: Directions) -> Body:
+    """A settled body turned to the directions that are known, about its lowest section."""
+    if known.up is None:
+        return body
+    body = _centred(body, z)
+    up = body.frame @ known.up
+    tilt = Rotation.align_vectors([[0, 0, 1.0]], [up])[0].as_matrix()
+    body = _about(body, tilt, z[0])
+    if known.front is None:
+        return body
+    front = body.frame @ known.front
+    turn = np.pi / 2 - np.arctan2(front[1], front[0])
+    return _about(body, Rotation.from_rotvec([0, 0, turn]).as_matrix(), z[0])
+
+
+def _centred(body: Body, z: np.ndarray) -> Body:
+    centre = cut_sections(body.vertices, body.triangles, z[:2]).centre[0]
+    return body.moved([-centre[0], -centre[1], 0])
+
+
+def _towards_mean(body: Body, z: np.ndarray, basis: Basis) -> np.ndarray:
+    """One Gauss-Newton step: a rotation vector (3,)."""
+    here = _misfit_of(body, z, basis)
+    turns = [Rotation.from_rotvec(DIFFERENCE * axis).as_matrix() for axis in np.eye(3)]
+    columns = [(_misfit_of(_about(body, turn, z[0]), z, basis) - here) / DIFFERENCE
+               for turn in turns]
+    return -np.linalg.lstsq(np.column_stack(columns), here, rcond=None)[0]
+
+
+def _misfit_of(body: Body, z: np.ndarray, basis: Basis) -> np.ndarray:
+    return lost(shape_of(cut_sections(body.vertices, body.triangles, z)), basis, 1)
+
+
+def _about(body: Body, turn: np.ndarray, height: float) -> Body:
+    """Turned about the point (0, 0, height)."""
+    pivot = np.array([0, 0, height])
+    return body.moved(-pivot).turned(turn).moved(pivot)

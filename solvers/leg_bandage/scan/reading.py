@@ -1,0 +1,124 @@
+"""From a file to one connected surface of triangles, in the unit of the file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import scipy.sparse as sp
+import trimesh
+from scipy.sparse.csgraph import connected_components
+
+from solvers.leg_bandage.scan.errors import ScanError
+
+FORMATS = ("stl", "ply", "obj")
+LEAST_TRIANGLES = 200
+LARGEST_SHARE = 0.6
+"""Of the whole area, that the largest piece must have for the others to be left out."""
+MERGE = 1e-6
+"""Corners nearer than this part of the size of the scan are one corner."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One connected surface.
+
+    vertices   (n, 3) in the unit of the file
+    triangles  (m, 3) numbers of vertices
+    notes      sentences on what was done to it
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    notes: tuple[str, ...] = ()
+
+
+def read_surface(path: str | Path) -> Surface:
+    """The largest connected surface in an STL, PLY or OBJ file; raises ScanError."""
+    path = Path(path)
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        raise ScanError(f"{path}: '{path.suffix}' is not a format that is read here; save the "
+                        f"scan as {', '.join(FORMATS)}")
+    vertices, triangles = _load(path, kind)
+    vertices, triangles = _merged(path, vertices, triangles)
+    return _largest_piece(path, vertices, triangles)
+
+
+def _load(path: Path, kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and triangles as they are in the file."""
+    if not path.is_file():
+        raise ScanError(f"{path}: there is no such file; check the name and the folder")
+    if path.stat().st_size == 0:
+        raise ScanError(f"{path}: the file is empty; export the scan again")
+    try:
+        scene = trimesh.load_scene(path, file_type=kind, process=False)
+        parts = scene.dump()
+    except Exception as error:  # the reader raises whatever a broken file leads it to
+        raise ScanError(f"{path}: is not a mesh in the format {kind} ({_line(error)}); export "
+                        "the scan again as binary STL or PLY") from None
+    meshes = [part for part in parts if isinstance(part, trimesh.Trimesh) and len(part.faces)]
+    points = sum(len(part.vertices) for part in parts if hasattr(part, "vertices"))
+    if not meshes and points:
+        raise ScanError(f"{path}: holds {points} points and no triangles; make a surface from "
+                        "them first (Poisson reconstruction in MeshLab, for example)")
+    if not meshes:
+        raise ScanError(f"{path}: holds no triangles; export the scan again as binary STL or PLY")
+    first = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
+    return (np.concatenate([mesh.vertices for mesh in meshes]).astype(float),
+            np.concatenate([mesh.faces + k for mesh, k in zip(meshes, first, strict=True)]))
+
+
+def _line(error: Exception) -> str:
+    """First line of a message, short enough for a sentence."""
+    words = str(error).strip().splitlines()
+    return f"{type(error).__name__}: {words[0][:80]}" if words else type(error).__name__
+
+
+def _merged(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> tuple[
+        np.ndarray, np.ndarray]:
+    """Corners at the same place made one (STL repeats them), flat triangles left out."""
+    used = vertices[np.unique(triangles)]
+    if not np.isfinite(used).all():
+        raise ScanError(f"{path}: {(~np.isfinite(used)).any(axis=1).sum()} corners have no finite "
+                        "coordinates; export the scan again")
+    size = np.ptp(used, axis=0).max()
+    if size == 0:
+        raise ScanError(f"{path}: all corners lie in one point; export the scan again")
+    _, keep, same = np.unique(np.round((vertices - used.min(axis=0)) / (MERGE * size)), axis=0,
+                              return_index=True, return_inverse=True)
+    triangles = same.ravel()[triangles]
+    a, b, c = triangles.T
+    triangles = triangles[(a != b) & (b != c) & (c != a)]
+    if len(triangles) < LEAST_TRIANGLES:
+        raise ScanError(f"{path}: {len(triangles)} triangles cannot show a leg (at least "
+                        f"{LEAST_TRIANGLES}, best 5 000 and more); export a finer mesh")
+    return vertices[keep], triangles
+
+
+def _largest_piece(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> Surface:
+    """The connected piece of largest area, if it has most of the area."""
+    edges = triangles[:, [0, 1, 1, 2]].reshape(-1, 2)
+    graph = sp.coo_matrix((np.ones(len(edges)), edges.T), (len(vertices), len(vertices)))
+    piece = connected_components(graph, directed=False)[1][triangles[:, 0]]
+    names, piece = np.unique(piece, return_inverse=True)
+    areas = np.bincount(piece, weights=triangle_areas(vertices[triangles]))
+    share = areas.max() / areas.sum()
+    if share < LARGEST_SHARE:
+        raise ScanError(f"{path}: falls into {len(names)} pieces, the largest with {share:.0%} of "
+                        "the area; cut out one leg, or close the gaps between its parts, and "
+                        "export that alone")
+    notes = ()
+    if len(names) > 1:
+        notes = (f"the scan has {len(names)} pieces; the largest, {share:.1%} of the area, is "
+                 "taken",)
+    triangles = triangles[piece == areas.argmax()]
+    used, triangles = np.unique(triangles, return_inverse=True)
+    return Surface(vertices[used], triangles.reshape(-1, 3), notes)
+
+
+def triangle_areas(corners: np.ndarray) -> np.ndarray:
+    """Areas (m,) of triangles (m, 3 corners, 3)."""
+    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
+                          axis=1) / 2
