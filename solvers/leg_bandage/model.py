@@ -143,7 +143,7 @@ def build(
         inner=[tissue],
         contacts=[skin, layers],
         others=[shell],
-        viscosity=Viscosity(_nodal_area(strip, laid, len(X))),
+        viscosity=Viscosity(_nodal_area(leg, strip, laid, X)),
         fixed=fixed,
         ndof=X.size,
         solver=solver,
@@ -199,8 +199,12 @@ def _tied(strip, laid, wrap, ends):
     return tied.ravel()
 
 
-def _nodal_area(strip, laid, count):
-    """Laid area that belongs to each node of the model, (nodes,)."""
+def _nodal_area(leg, strip, laid, X):
+    """Laid area that belongs to each control point, and skin area to each node of it."""
     nodes, weights = strip.stencil(laid.points.reshape(-1, 2))
     shares = weights[0] * laid.area.reshape(-1, 1)
-    return np.bincount(nodes.ravel(), shares.ravel(), count)
+    area = np.bincount(nodes.ravel(), shares.ravel(), len(X))
+    xi = np.stack(np.indices(leg.skin.shape), -1).reshape(-1, 2).astype(float)
+    jet = Skin(leg.skin).at(xi, X)
+    area[leg.skin.ravel()] = np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)
+    return area

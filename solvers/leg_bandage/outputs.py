@@ -45,14 +45,19 @@ class Imprint:
         layers = np.zeros(len(theta))
         first, last = self.place[:, 0].min(), self.place[:, 0].max()
         for turn in range(int(first // (2 * np.pi)) - 1, int(last // (2 * np.pi)) + 2):
-            xi, inside = self._find(theta + 2 * np.pi * turn, z)
-            values = self.strip.at(xi[inside], self.pressure)[:, 0]
-            total[inside] += np.maximum(values[:, 0], 0.0)
-            layers[inside] += 1
+            xi, share = self._find(theta + 2 * np.pi * turn, z)
+            on = share > 0
+            values = self.strip.at(xi[on], self.pressure)[:, 0]
+            total[on] += share[on] * np.maximum(values[:, 0], 0.0)
+            layers += share
         return total / MMHG, layers
 
     def _find(self, theta, z):
-        """Strip parameters (n, 2) under skin points, and whether they lie on the strip."""
+        """Strip parameters (n, 2) under skin points, and the share (n,) that is on the strip.
+
+        The share falls from 1 to 0 over one element centred on the rim: its pressure ends
+        there, and means over a sensor must not jump when a point crosses it.
+        """
         strip = self.strip
         line = midpoints(strip).reshape(strip.ns, strip.nw, 2)
         middle = self.strip.at(line[:, strip.nw // 2], self.place)[:, 0]
@@ -68,8 +73,8 @@ class Imprint:
             miss = target[inside] - jet[:, 0]
             step2 = solve2(jet[:, 1:].transpose(0, 2, 1), miss)
             xi[inside] += np.clip(step2, -3, 3)
-        on = (xi >= 0).all(axis=1) & (xi <= [strip.ns, strip.nw]).all(axis=1)
-        return xi, inside & on
+        rim = np.minimum(xi, [strip.ns, strip.nw] - xi).min(axis=1)
+        return xi, np.where(inside, np.clip(rim + 0.5, 0.0, 1.0), 0.0)
 
 
 def imprint(model: Model, u: np.ndarray) -> Imprint:
@@ -104,7 +109,7 @@ def on_disc(found: Imprint, leg: Leg, disc: Disc) -> tuple[float, float]:
     """Mean pressure (mmHg) and mean number of layers over a sensor; NaN for a disc at NaN."""
     if not np.isfinite(disc.z):
         return np.nan, np.nan
-    theta, z, weights = disc.points(leg, rings=6, spokes=24)
+    theta, z, weights = disc.points(leg, rings=8, spokes=32)
     pressure, layers = found.at(theta, z)
     return float(weights @ pressure), float(weights @ layers)
 

@@ -1,8 +1,8 @@
 """Newton's method and the motion of the bandage until it rests.
 
 Sliding is a motion, not a load step. Each step is an implicit Euler step of
-c A dx/dt = force with a small viscosity c on the bandage only, so that a bandage that
-has let go moves until friction and geometry hold it again. c falls while Newton
+c A dx/dt = force with a small viscosity c on bandage and skin, so that a bandage that has
+let go, and the skin that slips under it, move until friction and geometry hold them again. c falls while Newton
 converges and rises when it does not; no step starts from a state that has not converged.
 Units: N, mm, MPa; c in MPa/mm.
 """
@@ -41,10 +41,10 @@ class Tolerances:
     viscosity: tuple[float, float] = (1e-6, 0.5)
 
 
-FASTEST, SLOWEST = 32.0, 4.0
-"""By how much the viscosity falls from step to step before and after a step has failed."""
+FALL = 6.0
+"""By how much the viscosity falls from step to step at most, and rises after a failure by."""
 LONG_MOVE = 3.0
-"""mm; once a step has failed the viscosity falls only as long as steps stay shorter."""
+"""mm; the viscosity falls only as long as steps stay shorter; less after failures."""
 HOPELESS = 1e3
 """A step is given up when after half its iterations this many tolerances are unbalanced."""
 
@@ -66,9 +66,9 @@ class Cost:
 
 
 class Viscosity:
-    """Drag c A (x - x_n) of the bandage's control points, as a mechanical part.
+    """Drag c A (x - x_n) of the bandage's control points and of the skin, as a part.
 
-    area (nodes,) is the share of laid area of each node: zero for the leg's.
+    area (nodes,) is the share of laid area, or of skin, of each node.
     """
 
     def __init__(self, area: np.ndarray):
@@ -213,14 +213,14 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
     """Let the bandage move; returns u and the last viscous traction, MPa.
 
     Ends when the viscosity has come down to `until`, or, without it, when the bandage
-    rests. The viscosity falls fast until a step fails; from then on slowly, and each
-    step starts from where the last one was heading. watch(step, viscosity, move,
-    iterations) is told about each accepted step. Raises NotConverged when the largest
-    viscosity does not help or the steps run out.
+    rests. Each step starts from where the last one was heading; after a failure the
+    viscosity rises and steps are kept shorter. watch(step, viscosity, move, iterations)
+    is told about each accepted step. Raises NotConverged when the largest viscosity does
+    not help or the steps run out.
     """
     limits, drag, cost = problem.tolerances, problem.viscosity, problem.cost
     smallest, largest = max(until, limits.viscosity[0]), limits.viscosity[1]
-    bandage, pace, heading = drag.area > 0, FASTEST, np.zeros_like(u)
+    dragged, reach, heading = drag.area > 0, LONG_MOVE, np.zeros_like(u)
     failure = NotConverged(np.inf, 0)
     for step in range(limits.steps):
         drag.coefficient, drag.origin = viscosity, u
@@ -230,8 +230,8 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
         except NotConverged as trouble:
             problem.restore(state)
             cost.cut_backs += 1
-            failure, pace, heading = trouble, SLOWEST, np.zeros_like(u)
-            viscosity *= SLOWEST
+            failure, heading = trouble, np.zeros_like(u)
+            viscosity, reach = viscosity * FALL, max(0.7 * reach, LONG_MOVE / 4)
             if viscosity > largest:
                 break
             continue
@@ -239,15 +239,12 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
         for contact in problem.contacts:
             contact.accept(new)
         change, u = new - u, new
-        move = float(np.abs(change[bandage]).max())
+        move = float(np.abs(change[dragged]).max())
         if watch:
             watch(step, viscosity, move, iterations)
         if final and (until or viscosity * move < limits.rest):
             return u, viscosity * move
-        if pace == SLOWEST:
-            heading = change
-            slower = np.clip((LONG_MOVE / move) ** 2, 1.0, SLOWEST)
-            viscosity = max(viscosity / slower, smallest)
-        else:
-            viscosity = max(viscosity / pace, smallest)
+        heading = change
+        fall = np.clip((reach / move) ** 2, 1.0, FALL)
+        viscosity = max(viscosity / fall, smallest)
     raise failure

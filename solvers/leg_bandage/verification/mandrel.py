@@ -1,0 +1,86 @@
+"""Bandages on rigid mandrels and on a soft tube: problems with exact answers.
+
+A ring is a strip of one turn whose two ends meet in a plane of symmetry: they may move in
+that plane and not out of it, so that the strip is closed. Units: N, mm, MPa.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.leg_bandage.contact import Contact, Points
+from solvers.leg_bandage.fabric import Fabric
+from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.shell import Shell
+from solvers.leg_bandage.solution import Problem, Tolerances, Viscosity, creep
+from solvers.leg_bandage.surfaces import Mandrel, Strip
+from solvers.leg_bandage.wrapping import Wrap, lay
+
+
+def around(mandrel: Mandrel):
+    """The mandrel as a surface (theta, z, d_theta, d_z) to wrap."""
+
+    def surface(theta, z, d_theta=0, d_z=0):
+        theta, z = np.broadcast_arrays(theta, z)
+        jet = mandrel.at(np.column_stack([np.ravel(theta), np.ravel(z)]))
+        return jet[:, d_theta + 2 * d_z].reshape(*theta.shape, 3)
+
+    return surface
+
+
+def ring_wrap(width: float, stretch: float = 1.3, height: float = 0.0) -> Wrap:
+    """One whole turn without a climb, of no thickness worth mentioning."""
+    return Wrap(height, height + 1e-9, 1e-9, stretch, width, thickness=1e-3)
+
+
+@dataclass
+class Wound:
+    """A bandage on a rigid mandrel: its shell, its contacts and the problem they make."""
+
+    strip: Strip
+    X: np.ndarray
+    area: np.ndarray
+    shell: Shell
+    skin: Contact
+    layers: Contact | None
+    problem: Problem
+
+    def let_go(self, u=None, viscosity=5e-3):
+        """Release from the lay (or from u) and follow the bandage to rest: u (ndof,)."""
+        u = np.zeros(self.X.size) if u is None else u
+        for contact in self.problem.contacts:
+            contact.release(u)
+        return creep(self.problem, u, viscosity)[0]
+
+
+def wind(mandrel: Mandrel, wrap: Wrap, fabric: Fabric, law: ContactLaw, ns: int, nw: int,
+         between: ContactLaw | None = None, ring: bool = False, solver: str = "auto",
+         tolerances: Tolerances | None = None) -> Wound:
+    """Lay a bandage on a mandrel; a ring is closed, otherwise both ends are held in place."""
+    laid = lay(around(mandrel), wrap, ns, nw)
+    strip, X = laid.strip, laid.X
+    shell = Shell(strip, (float(laid.lengths.sum()), wrap.width), fabric, X)
+    nodes, weights = strip.stencil(laid.points.reshape(-1, 2))
+    cover, area = laid.cover.ravel(), laid.area.ravel()
+
+    def contact(surface, xi, share, which, rule):
+        points = Points(nodes[which], weights[0][which], (share * area)[which],
+                        np.zeros(len(which), bool))
+        part = Contact(points, surface, X, xi.reshape(-1, 2)[which], np.zeros(len(which)), rule)
+        part.close()
+        return part
+
+    skin = contact(mandrel, laid.skin, 1 - cover, np.flatnonzero(cover < 1 - 1e-6), law)
+    layers = None
+    if between is not None:
+        layers = contact(strip, laid.beneath, cover, np.flatnonzero(cover > 1e-6), between)
+    nodal = np.bincount(nodes.ravel(), (weights[0] * area[:, None]).ravel(), len(X))
+    rows = np.arange(strip.size).reshape(strip.ns + 2, strip.nw + 2)
+    ends = rows[[0, 1, -2, -1]].ravel()
+    fixed = 3 * ends + 1 if ring else (3 * ends[:, None] + np.arange(3)).ravel()
+    contacts = [skin] if layers is None else [skin, layers]
+    problem = Problem([], contacts, [shell], Viscosity(nodal), fixed, X.size, solver,
+                      tolerances or Tolerances(force=1e-7, passing=1e-4))
+    return Wound(strip, X, laid.area, shell, skin, layers, problem)
