@@ -158,8 +158,14 @@ def _value_mistakes(function, taken, options) -> list[tuple[str, str]]:
 
 
 def summary(point: EntryPoint) -> str:
-    """First line of a plug-in's docstring, or why it does not load."""
+    """What a plug-in is, in its documentation's first line, or why it does not load.
+
+    A function alone in a module of its name is described where the module begins.
+    """
     try:
-        return (getdoc(point.load()) or "").strip().split("\n")[0]
+        found = point.load()
     except Exception as error:
         return f"does not load: {type(error).__name__}: {error}"
+    alone = found.__module__.endswith(f".{getattr(found, '__name__', '')}")
+    described = sys.modules[found.__module__] if alone else found
+    return (getdoc(described) or "").strip().split("\n")[0]
