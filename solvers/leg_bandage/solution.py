@@ -2,7 +2,8 @@
 
 Sliding is a motion, not a load step. Each step is an implicit Euler step of
 c A dx/dt = force with a small viscosity c on bandage and skin, so that a bandage that has
-let go, and the skin that slips under it, move until friction and geometry hold them again. c falls while Newton
+let go, and the skin that slips under it, move until friction and geometry hold them again.
+c falls while Newton
 converges and rises when it does not; no step starts from a state that has not converged.
 Units: N, mm, MPa; c in MPa/mm.
 """
