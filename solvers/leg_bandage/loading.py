@@ -15,7 +15,7 @@ from solvers.leg_bandage.model import Model
 from solvers.leg_bandage.solution import NotConverged, creep
 from surrogate.errors import SolverError
 
-FIRST_VISCOSITY = 5e-3
+FIRST_VISCOSITY = 2e-3
 HELD_VISCOSITY = 2e-2, 1e-3
 """MPa/mm, of the release, and first and last while held, should one step not do."""
 

@@ -34,7 +34,7 @@ class Tolerances:
     """
 
     force: float = 1e-5
-    passing: float = 1e-3
+    passing: float = 1e-2
     rest: float = 2e-6
     iterations: int = 16
     longest: float = 4.0
@@ -42,11 +42,13 @@ class Tolerances:
     viscosity: tuple[float, float] = (1e-6, 0.5)
 
 
-FALL = 6.0
+FALL = 4.0
 """By how much the viscosity falls from step to step at most, and rises after a failure by."""
-LONG_MOVE = 3.0
+LONG_MOVE = 2.0
 """mm; the viscosity falls only as long as steps stay shorter; less after failures."""
-HOPELESS = 1e3
+EASY = 5
+"""Newton iterations of a step after which the viscosity may fall fully."""
+HOPELESS = 1e2
 """A step is given up when after half its iterations this many tolerances are unbalanced."""
 
 
@@ -214,15 +216,15 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
     """Let the bandage move; returns u and the last viscous traction, MPa.
 
     Ends when the viscosity has come down to `until`, or, without it, when the bandage
-    rests. Each step starts from where the last one was heading; after a failure the
-    viscosity rises and steps are kept shorter. watch(step, viscosity, move, iterations)
+    rests. From the third on a step starts from where the last one was heading; after a
+    failure the viscosity rises and steps are kept shorter. watch(step, viscosity, move, iterations)
     is told about each accepted step. Raises NotConverged when the largest viscosity does
     not help or the steps run out.
     """
     limits, drag, cost = problem.tolerances, problem.viscosity, problem.cost
     smallest, largest = max(until, limits.viscosity[0]), limits.viscosity[1]
     dragged, reach, heading = drag.area > 0, LONG_MOVE, np.zeros_like(u)
-    failure = NotConverged(np.inf, 0)
+    failure, accepted = NotConverged(np.inf, 0), 0
     for step in range(limits.steps):
         drag.coefficient, drag.origin = viscosity, u
         state, final = problem.state(), viscosity <= smallest
@@ -237,6 +239,7 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
                 break
             continue
         cost.steps += 1
+        accepted += 1
         for contact in problem.contacts:
             contact.accept(new)
         change, u = new - u, new
@@ -245,7 +248,7 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
             watch(step, viscosity, move, iterations)
         if final and (until or viscosity * move < limits.rest):
             return u, viscosity * move
-        heading = change
-        fall = np.clip((reach / move) ** 2, 1.0, FALL)
+        heading = change if accepted > 1 else heading
+        fall = np.clip((reach / move) ** 2, 1.0, FALL if iterations <= EASY else FALL / 2)
         viscosity = max(viscosity / fall, smallest)
     raise failure
