@@ -13,9 +13,12 @@ import numpy as np
 from solvers.leg_bandage.contact import Contact, Points
 from solvers.leg_bandage.fabric import Fabric
 from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.leg_mesh import LegMesh
+from solvers.leg_bandage.model import skin_parameters
 from solvers.leg_bandage.shell import Shell
 from solvers.leg_bandage.solution import Problem, Tolerances, Viscosity, creep
-from solvers.leg_bandage.surfaces import Mandrel, Strip
+from solvers.leg_bandage.surfaces import Mandrel, Skin, Strip
+from solvers.leg_bandage.tissue import Tissue
 from solvers.leg_bandage.wrapping import Wrap, lay
 
 
@@ -84,3 +87,32 @@ def wind(mandrel: Mandrel, wrap: Wrap, fabric: Fabric, law: ContactLaw, ns: int,
     problem = Problem([], contacts, [shell], Viscosity(nodal), fixed, X.size, solver,
                       tolerances or Tolerances(force=1e-7, passing=1e-4))
     return Wound(strip, X, laid.area, shell, skin, layers, problem)
+
+
+def ring_on_tube(mesh: LegMesh, fabric: Fabric, c10: float, kappa: float, law: ContactLaw,
+                 ns: int, nw: int) -> tuple[Wound, Tissue]:
+    """A closed ring over the whole height of a soft tube in plane strain, hole free.
+
+    mesh is that of a straight tube; three nodes of its hole keep it from drifting.
+    """
+    count, height = mesh.mesh.nvertices, mesh.z[-1] - mesh.z[0]
+    radius = np.linalg.norm(mesh.mesh.p[:2, mesh.skin[0, 0]])
+    laid = lay(around(Mandrel(radius, radius)), ring_wrap(height, height=mesh.z.mean()), ns, nw)
+    strip, X = Strip(ns, nw, offset=count), np.vstack([mesh.mesh.p.T, laid.X])
+    nodes, weights = strip.stencil(laid.points.reshape(-1, 2))
+    points = Points(nodes, weights[0], laid.area.ravel(), np.zeros(laid.area.size, bool))
+    seeds = skin_parameters(mesh, laid.skin).reshape(-1, 2)
+    skin = Contact(points, Skin(mesh.skin), X, seeds, np.zeros(len(nodes)), law)
+    skin.close()
+    shell = Shell(strip, (float(laid.lengths.sum()), height), fabric, X)
+    tissue = Tissue(mesh.mesh, c10, kappa, n_dofs=X.size)
+    nodal = np.bincount(nodes.ravel(), (weights[0] * laid.area.reshape(-1, 1)).ravel(), len(X))
+    rows = count + np.arange(strip.size).reshape(ns + 2, nw + 2)
+    quarter = len(mesh.theta) // 4
+    hole = mesh.nodes[:, 0]
+    fixed = np.concatenate([
+        mesh.fixed_dofs("no_axial", bone=False), 3 * rows[[0, 1, -2, -1]].ravel() + 1,
+        3 * hole[0] + 1, 3 * hole[quarter], 3 * hole[2 * quarter] + 1,
+    ])  # fmt: skip
+    problem = Problem([tissue], [skin], [shell], Viscosity(nodal), np.unique(fixed), X.size)
+    return Wound(strip, X, laid.area, shell, skin, None, problem), tissue

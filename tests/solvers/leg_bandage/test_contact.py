@@ -159,7 +159,9 @@ def test_skin_interpolates_its_nodes_and_is_smooth():
     skin = Skin(nodes)
     at_nodes = skin.at(np.array([[3.0, 4.0], [15.0, 6.0], [16.0, 6.0]]), x)[:, 0]
     assert np.allclose(at_nodes, x[[nodes[3, 4], nodes[15, 6], nodes[0, 6]]])
-    seam = np.array([[4.0, 3.3], [16.0, 5.7], [2.4, 5.0]])
+    ends = skin.at(np.array([[3.0, 0.0], [5.0, 9.0]]), x)[:, 0]
+    assert np.allclose(ends, x[[nodes[3, 0], nodes[5, 9]]])
+    seam = np.array([[4.0, 3.3], [16.0, 5.7], [2.4, 5.0], [2.4, 1.0], [7.2, 8.0]])
     below, above = skin.at(seam - 1e-9, x), skin.at(seam + 1e-9, x)
     assert np.allclose(below[:, :3], above[:, :3], atol=1e-6)
 

@@ -10,10 +10,11 @@ import pytest
 
 from solvers.leg_bandage.bandages import NOMINAL, at_tension
 from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.leg_mesh import leg_mesh, tube
 from solvers.leg_bandage.outputs import MMHG
 from solvers.leg_bandage.solution import Tolerances
 from solvers.leg_bandage.surfaces import Mandrel
-from solvers.leg_bandage.verification.mandrel import ring_wrap, wind
+from solvers.leg_bandage.verification.mandrel import ring_on_tube, ring_wrap, wind
 from solvers.leg_bandage.wrapping import Wrap
 
 
@@ -131,3 +132,26 @@ def test_edge_stretches_on_a_cone():
     radius = np.linalg.norm(field.point[1, :2])
     exact = 1.3 * (1 + np.array([-10, 0, 10]) * np.sin(0.1) / radius)
     assert np.allclose(field.warp_stretch, exact, rtol=1e-3)
+
+
+@pytest.mark.parametrize("K1, radius, stretch, mmhg", [(0.196667, 46.70512, 1.291844, 9.2175)])
+def test_hoop_band_in_contact_with_a_soft_tube(K1, radius, stretch, mmhg):
+    """V3 through contact: a band on a soft annulus, T = K1 (b / r0 - 1), p = T / b.
+
+    The same ring is the curved patch test V8: bandage and skin do not match (44 rows
+    on 36 cells round the tube, 5 on 4 along it), and the exact pressure is uniform.
+    """
+    mesh = leg_mesh(tube(47.0), tube(15.0), np.linspace(0, 20, 5), 36, 10)
+    cloth = replace(fabric(0.3 * K1), F1=0.01, F2=0.01, tau12=0.01)
+    ring, _ = ring_on_tube(mesh, cloth, 0.005, 14.3, ContactLaw(0.2), 44, 5)
+    start, _ = ring.problem.newton(np.zeros(ring.X.size))
+    u = ring.let_go(start)
+    field = ring.shell.at(u, np.column_stack([np.arange(44) + 0.5, np.full(44, 2.5)]))
+    skin = (ring.X + u.reshape(-1, 3))[mesh.skin[:, 2]]
+    assert np.linalg.norm(skin[:, :2], axis=1).mean() == pytest.approx(radius, abs=0.02)
+    assert field.warp_stretch.mean() == pytest.approx(stretch, rel=1e-3)
+    report = ring.skin.report(u)
+    area = 2 * np.pi * np.linalg.norm(skin[:, :2], axis=1).mean() * 20
+    force = np.sum(report["p"] * ring.skin.points.area)
+    assert force / area / MMHG == pytest.approx(mmhg, rel=0.01)
+    assert report["p"].std() < 0.02 * report["p"].mean()
