@@ -4,7 +4,7 @@ The midline climbs a helix of constant pitch in the leg's coordinates (theta, z)
 its width the strip follows lines that leave the midline at a right angle and stay in the
 tangent plane, at true length. Every turn lies on the turns beneath it: a point is lifted
 by half a thickness and by one more for each turn that covers it, fading over the last
-element inside the edges of that turn. The midline, so lifted, has the asked stretch; the stretch of
+5 mm inside the edges of that turn. The midline, so lifted, has the asked stretch; the stretch of
 the edges follows from the shape of the leg. Units: mm, radians.
 
 A surface to wrap is a function (theta, z, d_theta, d_z) -> points (..., 3) or their
@@ -27,6 +27,8 @@ Surface = Callable[..., np.ndarray]
 SAMPLES_A_TURN = 180
 LEAST_GIRTH = 260.0
 """mm; below it the rows shrink with the leg, to follow its curvature."""
+FADE = 5.0
+"""mm inside the edge of a turn over which the next one climbs onto it; no mesh size in it."""
 MEETS = 1.0
 """mm; a turn beneath whose bare surface is farther than this does not pass beneath."""
 EVEN_PASSES = 2
@@ -262,16 +264,17 @@ def _turns_beneath(strip, bare, net, wrap, theta_mid, columns):
         found = seed.copy()
         found[near] = project(strip, bare[near], X, seed[near])
         near[near] = np.linalg.norm(strip.at(found[near], X)[:, 0] - bare[near], axis=1) < MEETS
-        covers[k - 1] = np.where(near, _inside(found, strip), 0.0)
+        covers[k - 1] = np.where(near, _inside(found, strip, wrap.width), 0.0)
         if k == 1:
             beneath = found
     return covers[0], beneath, covers
 
 
-def _inside(xi, strip):
-    """0 outside the strip, rising to 1 over the first element inside its edges."""
+def _inside(xi, strip, width):
+    """0 outside the strip, rising to 1 over `FADE` inside its edges, one row at its first end."""
     along = np.clip(xi[..., 0], 0, 1)
-    over = np.clip(np.minimum(xi[..., 1], strip.nw - xi[..., 1]), 0, 1)
+    over = np.minimum(xi[..., 1], strip.nw - xi[..., 1]) * width / strip.nw
+    over = np.clip(over / FADE, 0, 1)
     return along**2 * (3 - 2 * along) * over**2 * (3 - 2 * over)
 
 
