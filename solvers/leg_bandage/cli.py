@@ -141,7 +141,8 @@ def _show_cohort(grown: GrownCohort, out: Path, console: Console) -> None:
         console.print(f"skipped {name}: {why}", highlight=False, markup=False, soft_wrap=True)
     rows = [(str(loss.modes), f"{loss.rms:.2f}", f"{loss.percentile_95:.2f}",
              f"{loss.largest:.2f}", f"{loss.left_out_95:.2f}") for loss in grown.losses]
-    console.print(_table(("modes", "RMS, mm", "95 %, mm", "largest, mm", "95 % left out, mm"), rows))
+    headings = ("modes", "RMS, mm", "95 %, mm", "largest, mm", "95 % left out, mm")
+    console.print(_table(headings, rows))
     console.print(f"\n{len(grown.cohort)} legs are in {out}; next: leg-bandage fit-scan SCAN "
                   f"--cohort {out}", highlight=False, markup=False, soft_wrap=True)
 

@@ -28,8 +28,13 @@ def curves(x: np.ndarray, lines: Mapping[str, np.ndarray], x_label: str, y_label
     if dots:
         x_ticks = x_ticks[x_ticks == np.round(x_ticks)]
     low, high = min(low, y_ticks[0]), max(high, y_ticks[-1])
-    across = lambda value: LEFT + (value - x.min()) / np.ptp(x) * (WIDTH - LEFT - RIGHT)  # noqa: E731
-    up = lambda value: HEIGHT - BOTTOM - (value - low) / (high - low) * (HEIGHT - TOP - BOTTOM)  # noqa: E731
+
+    def across(value):
+        return LEFT + (value - x.min()) / np.ptp(x) * (WIDTH - LEFT - RIGHT)
+
+    def up(value):
+        return HEIGHT - BOTTOM - (value - low) / (high - low) * (HEIGHT - TOP - BOTTOM)
+
     parts = [f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{up(t):.1f}" y2="{up(t):.1f}" '
              f'class="grid"/>{_text(LEFT - 6, up(t) + 4, f"{t:g}", "end")}' for t in y_ticks]
     parts += [_text(across(t), HEIGHT - BOTTOM + 18, f"{t:g}") for t in x_ticks]
@@ -59,7 +64,7 @@ def ticks(low: float, high: float) -> np.ndarray:
     unit = 10.0 ** np.floor(np.log10(raw))
     step = unit * min((m for m in (1, 2, 5, 10) if m * unit >= raw), default=10)
     inner = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1)
-    return inner * step
+    return inner * step + 0.0  # no minus zero
 
 
 def outlines(name: str, height: float, scan: FittedScan, size: int = 250) -> str:
@@ -67,7 +72,7 @@ def outlines(name: str, height: float, scan: FittedScan, size: int = 250) -> str
     rings = [leg.surface(np.append(THETA, 0.0), height)[:, :2]
              for leg in (scan.scanned, scan.leg)]
     middle = rings[0].mean(axis=0)
-    reach = 1.12 * max(np.abs(ring - middle).max() for ring in rings)
+    reach = 1.3 * max(np.abs(ring - middle).max() for ring in rings)
     half = size / 2
     parts = []
     for k, ring in enumerate(rings):

@@ -16,17 +16,19 @@ from solvers.leg_bandage.scan.cuts import Cuts, find_cuts
 from solvers.leg_bandage.scan.directions import Directions
 from solvers.leg_bandage.scan.errors import ScanError
 from solvers.leg_bandage.scan.pose import (
+    SETTLED,
+    STEPS,
     Body,
     Start,
     as_left,
     lost,
-    settle,
     shape_of,
     stand,
     starts,
+    turn_to_mean,
 )
 from solvers.leg_bandage.scan.reading import Surface, read_surface
-from solvers.leg_bandage.scan.refusal import why_no_leg
+from solvers.leg_bandage.scan.refusal import check_holes, check_skin, why_no_leg
 from solvers.leg_bandage.scan.sections import THETA, Sections, cut_sections
 from solvers.leg_bandage.scan.units import UNITS, unit_of
 from surrogate.errors import SolverError, nearest
@@ -36,12 +38,11 @@ SIDES = ("auto", "right", "left")
 SURE_OF_SIDE = 0.2
 """By what part worse the other side must fit for the side to be told by the shape."""
 
-LARGEST_HOLES = 0.15
-"""Of the skin between the cuts; below it the holes are filled smoothly."""
+ROUNDING = 1e-9
 
 NO_LEG = 6.0
-"""mm RMS that the shape modes may miss of a leg. Shipped legs that were not learnt from: 0.6 to
-2.5 mm; cylinders, cones and boxes of a leg's size: above 6 mm."""
+"""mm RMS that the shape modes may miss of a leg. Shipped legs that were not learnt from:
+0.5 to 3.4 mm."""
 
 
 @dataclass(frozen=True)
@@ -90,8 +91,11 @@ class FittedScan:
 
     @property
     def in_range(self) -> dict[str, bool]:
-        """Whether each coordinate is between the smallest and largest of the legs of the basis."""
-        return {name: low <= self.coordinates[name] <= high
+        """Whether each coordinate is between the smallest and largest of the legs of the basis.
+
+        A leg that is itself the largest is inside: rounding is let pass.
+        """
+        return {name: low - ROUNDING <= self.coordinates[name] <= high + ROUNDING
                 for name, (low, high) in self.ranges.items()}
 
     @cached_property
@@ -125,7 +129,7 @@ def fit_scan(path: str | Path, *, side: str = "auto", unit: str | None = None,
     basis = shipped_basis() if basis is None else basis
     surface = read_surface(path)
     try:
-        start, found, about_unit = _start(surface, basis, known, unit)
+        start, found, about_unit = _start(surface, basis, unit)
         leg = _sided(start, basis, side, length, ends)
         body, cuts = leg.body, leg.cuts
         if known.up is not None:
@@ -166,16 +170,13 @@ def _check(side: str, unit: str | None, length: float | None, ends: bool) -> Non
         raise ScanError("either a length or the ends of the scan can set the upper cut; give one")
 
 
-def _start(surface: Surface, basis: Basis, known: Directions, unit: str | None
-           ) -> tuple[Start, str, str]:
+def _start(surface: Surface, basis: Basis, unit: str | None) -> tuple[Start, str, str]:
     """The first guess, in mm, with the unit and the sentence about it."""
     body = Body(surface.vertices, surface.triangles)
-    guesses = starts(body, basis, known.up)
-    if not guesses and known.up is not None and starts(body, basis, None):
-        raise ScanError("no ankle with a calf above it is found along the direction that is given "
-                        "as up; give another --up, or leave it out")
+    guesses = starts(body, basis)
     if not guesses:
         raise ScanError(why_no_leg(body))
+    check_skin(guesses[0].body, guesses[0].zone)
     found = unit_of(guesses[0].zone.ankle_girth, unit)
     start = guesses[0].scaled(UNITS[found])
     how = "as given" if unit else f"the ankle girth is then {start.zone.ankle_girth:.0f} mm"
@@ -209,12 +210,12 @@ def _sided(start: Start, basis: Basis, side: str, length: float | None, ends: bo
 
 
 def _settled(side: str, start: Start, basis: Basis, length: float | None, ends: bool) -> _Sided:
-    """Pose and cuts depend on each other: both in turn until they stay."""
+    """Pose and cuts depend on each other: a step of each in turn until they stay."""
     body = start.body
-    for _ in range(8):
+    for _ in range(STEPS):
         cuts = find_cuts(body, start.zone, length, ends)
-        body, angle = settle(body, cuts.levels, basis)
-        if angle < 1e-4:
+        body, angle = turn_to_mean(body, cuts.levels, basis)
+        if angle < SETTLED:
             break
     return _Sided(side, body, cuts, _missed(body, cuts, basis))
 
@@ -228,10 +229,7 @@ def _missed(body: Body, cuts: Cuts, basis: Basis) -> float:
 def _sections(body: Body, cuts: Cuts) -> Sections:
     """The 100 sections, ankle centre at the origin; raises ScanError for too many holes."""
     found = cut_sections(body.vertices, body.triangles, cuts.levels)
-    holes = found.missing.mean()
-    if holes > LARGEST_HOLES:
-        raise ScanError(f"holes make up {holes:.0%} of the skin between the cuts (at most "
-                        f"{LARGEST_HOLES:.0%}); scan the leg all around, or close them")
+    check_holes(found)
     return replace(found, z=found.z - cuts.ankle, centre=found.centre - found.centre[0])
 
 

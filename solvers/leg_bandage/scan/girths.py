@@ -67,9 +67,12 @@ def profile(vertices: np.ndarray, triangles: np.ndarray) -> Profile:
     if len(z) < LEVELS // 8:
         return Profile(z[:0], z[:0], False)
     raw = cut_sections(vertices, triangles, z).girth
+    smoothed = smooth(z, raw)
+    if not smoothed.min() > 0:  # an axis across the leg
+        return Profile(z[:0], z[:0], False)
     near = max(3, len(z) * 3 // 100)
     steady = abs(raw[near] - raw[1]) < STEADY_END * raw[near]
-    return Profile(z, smooth(z, raw), bool(steady))
+    return Profile(z, smoothed, bool(steady))
 
 
 def smooth(z: np.ndarray, values: np.ndarray, spans: int = 20) -> np.ndarray:
@@ -94,7 +97,8 @@ def _zone(z: np.ndarray, girth: np.ndarray, ankle: int) -> Zone:
     """The zone above an ankle; its calf is the first maximum that the girth then falls from."""
     above = girth[ankle:]
     highest = np.maximum.accumulate(above)
-    fallen = np.flatnonzero((above < (1 - FALL) * highest) & (highest > CALF_OVER_ANKLE[0] * above[0]))
+    fallen = np.flatnonzero((above < (1 - FALL) * highest)
+                            & (highest > CALF_OVER_ANKLE[0] * above[0]))
     end = fallen[0] if len(fallen) else len(above)
     calf = ankle + above[:end].argmax()
     return Zone(z[ankle], girth[ankle], _peak(z, girth, calf), girth[calf], z[-1])

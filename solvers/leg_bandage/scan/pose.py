@@ -20,6 +20,7 @@ from scipy.spatial.transform import Rotation
 from solvers.leg_bandage.basis import INNER, Basis
 from solvers.leg_bandage.cohort import SECTIONS, snapshot
 from solvers.leg_bandage.scan.directions import Directions
+from solvers.leg_bandage.scan.errors import ScanError
 from solvers.leg_bandage.scan.girths import Zone, profile, zones
 from solvers.leg_bandage.scan.reading import triangle_areas
 from solvers.leg_bandage.scan.sections import Sections, cut_sections
@@ -27,8 +28,11 @@ from solvers.leg_bandage.scan.sections import Sections, cut_sections
 TURNS = np.radians(np.arange(0, 360, 5))
 DIFFERENCE = 5e-3
 """rad, of the finite differences: far above the facets of the mesh, far below its shape."""
-SETTLED, STEPS = 2e-5, 12
-"""rad; a ten-thousandth of the range of an alpha is more. Four steps are usual."""
+SETTLED, STEPS = 1e-4, 15
+"""rad; moves an alpha by 0.0002. Five steps are usual."""
+
+CREDIBLE = 60.0
+"""degrees between a direction that is given and the one that the shape tells."""
 
 
 @dataclass(frozen=True)
@@ -69,16 +73,10 @@ class Start:
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 
 
-def starts(body: Body, basis: Basis, up: np.ndarray | None) -> list[Start]:
-    """Guesses for a right leg, best first; [] when no axis shows an ankle under a calf.
-
-    up: the direction (3,) that is known to be up, or None.
-    """
-    found = []
-    for axis in _axes(body) if up is None else [up]:
-        guess = _upright(body.turned(_to_z(axis)))
-        if guess is not None:
-            found.append(_turned_best(Start(*guess, np.inf), basis))
+def starts(body: Body, basis: Basis) -> list[Start]:
+    """Guesses for a right leg, best first; [] when no axis shows an ankle under a calf."""
+    guesses = [_upright(body.turned(_to_z(axis))) for axis in _axes(body)]
+    found = [_turned_best(Start(*guess, np.inf), basis) for guess in guesses if guess is not None]
     return sorted(found, key=lambda start: start.misfit)
 
 
@@ -97,9 +95,9 @@ def _axes(body: Body) -> list[np.ndarray]:
     return [sense * directions[:, k] for k in (2, 1, 0) for sense in (1, -1)]
 
 
-def along_longest(body: Body) -> Body:
-    """The body with its longest principal direction along z."""
-    return body.turned(_to_z(_axes(body)[0]))
+def along_principal(body: Body) -> list[Body]:
+    """The body with each of its principal directions along z, longest first."""
+    return [body.turned(_to_z(axis)) for axis in _axes(body)[::2]]
 
 
 def _to_z(axis: np.ndarray) -> np.ndarray:
@@ -160,48 +158,52 @@ def shape_of(sections: Sections) -> np.ndarray:
                     sections.z[-1] - sections.z[0])
 
 
-def settle(body: Body, z: np.ndarray, basis: Basis) -> tuple[Body, float]:
-    """Turn a body about the centre of its lowest section until the mean leg fits it best.
+def turn_to_mean(body: Body, z: np.ndarray, basis: Basis) -> tuple[Body, float]:
+    """One Gauss-Newton step towards the pose in which the mean leg fits best.
 
-    z (100,): its levels, which stay. Returns the body, with that centre at x = y = 0, and
-    the whole angle, rad.
+    Turns about the centre of the lowest section; z (100,): the levels, which stay. Returns
+    the body, with that centre at x = y = 0, and the angle, rad.
     """
-    body, before = _centred(body, z), body.frame
-    for _ in range(STEPS):
-        step = _towards_mean(body, z, basis)
-        body = _about(body, Rotation.from_rotvec(step).as_matrix(), z[0])
-        if np.linalg.norm(step) < SETTLED:
-            break
-    return body, float(np.arccos(np.clip((np.trace(body.frame @ before.T) - 1) / 2, -1, 1)))
+    body = _centred(body, z)
+    here = _misfit_of(body, z, basis)
+    turns = [Rotation.from_rotvec(DIFFERENCE * axis).as_matrix() for axis in np.eye(3)]
+    columns = [(_misfit_of(_about(body, turn, z[0]), z, basis) - here) / DIFFERENCE
+               for turn in turns]
+    step = -np.linalg.lstsq(np.column_stack(columns), here, rcond=None)[0]
+    turn = Rotation.from_rotvec(step).as_matrix()
+    return _about(body, turn, z[0]), float(np.linalg.norm(step))
 
 
 def stand(body: Body, z: np.ndarray, known: Directions) -> Body:
-    """A settled body turned to the directions that are known, about its lowest section."""
+    """A settled body turned to the directions that are known, about its lowest section.
+
+    Raises ScanError for directions that the leg cannot have.
+    """
     if known.up is None:
         return body
-    body = _centred(body, z)
     up = body.frame @ known.up
+    _credible("up", up, [0, 0, 1.0])
     tilt = Rotation.align_vectors([[0, 0, 1.0]], [up])[0].as_matrix()
-    body = _about(body, tilt, z[0])
+    body = _about(_centred(body, z), tilt, z[0])
     if known.front is None:
         return body
     front = body.frame @ known.front
+    _credible("front", front, [0, 1.0, 0])
     turn = np.pi / 2 - np.arctan2(front[1], front[0])
     return _about(body, Rotation.from_rotvec([0, 0, turn]).as_matrix(), z[0])
+
+
+def _credible(which: str, given: np.ndarray, told) -> None:
+    apart = np.degrees(np.arccos(np.clip(given @ told, -1, 1)))
+    if apart > CREDIBLE:
+        raise ScanError(f"the direction given as {which} is {apart:.0f} degrees from that which "
+                        f"the shape of the leg tells (at most {CREDIBLE:g}); give another "
+                        f"--{which}, or leave it out")
 
 
 def _centred(body: Body, z: np.ndarray) -> Body:
     centre = cut_sections(body.vertices, body.triangles, z[:2]).centre[0]
     return body.moved([-centre[0], -centre[1], 0])
-
-
-def _towards_mean(body: Body, z: np.ndarray, basis: Basis) -> np.ndarray:
-    """One Gauss-Newton step: a rotation vector (3,)."""
-    here = _misfit_of(body, z, basis)
-    turns = [Rotation.from_rotvec(DIFFERENCE * axis).as_matrix() for axis in np.eye(3)]
-    columns = [(_misfit_of(_about(body, turn, z[0]), z, basis) - here) / DIFFERENCE
-               for turn in turns]
-    return -np.linalg.lstsq(np.column_stack(columns), here, rcond=None)[0]
 
 
 def _misfit_of(body: Body, z: np.ndarray, basis: Basis) -> np.ndarray:

@@ -19,7 +19,7 @@ function fitted(canvas) {
 }
 
 const leg = document.getElementById("leg"), map = document.getElementById("map");
-let turn = -0.6, tilt = 0.12, shown = "scan";
+let turn = 0.8, tilt = 0.12, shown = "scan";
 const middle = shape.scan.flat().reduce((s, p) => [s[0] + p[0], s[1] + p[1]], [0, 0])
   .map(s => s / (levels * rays));
 // Screen across, screen up, nearness to the viewer. Turn 0 looks from the front.
