@@ -15,7 +15,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -28,6 +27,7 @@ import xarray as xr
 from surrogate import runs as rundata
 from surrogate.errors import FitError, ResultsError
 from surrogate.execution import Progress
+from surrogate.files import write_text
 from surrogate.reduction import reduced_text
 from surrogate.study import Fits, Study
 
@@ -164,19 +164,6 @@ def _save_portable(fits: Fits, folder: Path) -> None:
                 described[output] = fit.portable()
         if described:
             write_text(folder / f"{name}.json", json.dumps(described, allow_nan=False))
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a file whole or not at all; `ResultsError` when the disk does not take it."""
-    part = path.with_name(f".{path.name}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_text(text, encoding="utf-8")
-        os.replace(part, path)
-    except OSError as error:
-        with suppress(OSError):
-            part.unlink()
-        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
 
 
 def _figures(dataset: xr.Dataset | None) -> dict[str, Any] | None:

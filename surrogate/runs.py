@@ -8,9 +8,7 @@ parameter and each output under its own name, `design`, `status`, `message`,
 from __future__ import annotations
 
 import json
-import os
 import platform
-import tempfile
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -23,6 +21,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.errors import ResultsError, StudyError, nearest
+from surrogate.files import replacing
 from surrogate.identity import Recipe, calls, canonical, keys
 from surrogate.journal import Contents, Record
 from surrogate.solver import Output
@@ -179,41 +178,8 @@ def save(runs: xr.Dataset, path: str | Path) -> None:
 
     Raises `ResultsError` when the disk does not take it.
     """
-    path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        number, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        os.close(number)
-    except OSError as error:
-        raise ResultsError(f"cannot write {path}: {error.strerror}") from error
-    try:
-        runs.to_netcdf(temporary, engine="h5netcdf", encoding=_encoding(runs))
-        _force_to_disk(temporary)
-        os.replace(temporary, path)
-    except OSError as error:
-        raise ResultsError(f"cannot write {path}: {error.strerror or error}; "
-                           "make room, then run again") from error
-    finally:
-        with suppress(FileNotFoundError):
-            os.unlink(temporary)
-
-
-def _encoding(runs: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Points of time as whole microseconds since 1970, whichever comes first in the column."""
-    return {name: {"units": "microseconds since 1970-01-01", "dtype": "int64"}
-            for name, variable in runs.variables.items() if variable.dtype.kind == "M"}
-
-
-def _force_to_disk(path: str) -> None:
-    """fsync, and the permissions that a newly made file has (mkstemp's are narrower)."""
-    mask = os.umask(0)
-    os.umask(mask)
-    os.chmod(path, 0o666 & ~mask)
-    file = os.open(path, os.O_RDWR)
-    try:
-        os.fsync(file)
-    finally:
-        os.close(file)
+    with replacing(path) as temporary:
+        runs.to_netcdf(temporary, engine="h5netcdf")
 
 
 def load(path: str | Path) -> xr.Dataset:

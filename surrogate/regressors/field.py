@@ -99,7 +99,7 @@ class Field(RegressorMixin, BaseEstimator):
                        self.n_features_in_, self.mean_)
 
     @_offered("posterior_draws")
-    def posterior_draws(self, size: int, seed=None) -> list["FieldDraw"]:
+    def posterior_draws(self, size: int, seed=None) -> list[FieldDraw]:
         """Fields that are as plausible as the mean, given the runs; modes independent."""
         check_is_fitted(self)
         seeds = np.random.SeedSequence(seed).spawn(len(self.estimators_))

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +10,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from surrogate.files import write_text
 from surrogate.report import digits
 from surrogate.report.blocks import Section, anchor
 from surrogate.report.content import Content
@@ -37,18 +36,8 @@ class Page:
 
     def save(self, path: str | Path) -> Path:
         """Write the page whole or not at all, and return its path."""
-        path = Path(path)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, part = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(self.html)
-            os.chmod(part, 0o644)
-            os.replace(part, path)
-        except BaseException:
-            os.unlink(part)
-            raise
-        return path
+        write_text(path, self.html)
+        return Path(path)
 
 
 def build(content: Content) -> Page:
