@@ -1,0 +1,61 @@
+"""Newton, cut-backs and the way to rest, on a ring round a rigid cylinder."""
+
+import numpy as np
+import pytest
+
+from solvers.leg_bandage.bandages import at_tension
+from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.solution import NotConverged, Problem, Tolerances, creep
+from solvers.leg_bandage.surfaces import Mandrel
+from solvers.leg_bandage.verification.mandrel import ring_wrap, wind
+
+
+@pytest.fixture
+def ring():
+    """A band on an elliptic cylinder, released but not yet in equilibrium."""
+    wound = wind(Mandrel(50, 44), ring_wrap(20), at_tension(0.098), ContactLaw(0.2), 48, 4,
+                 ring=True, tolerances=Tolerances(force=1e-9, passing=1e-9))
+    wound.skin.release(np.zeros(wound.X.size))
+    return wound
+
+
+def test_newton_ends_quadratically(ring, monkeypatch):
+    """V11: near the end the order of convergence is above 1.7 (rounding left out)."""
+    problem, sizes = ring.problem, []
+    problem.viscosity.coefficient = 1e-4
+    measured = Problem._size
+    monkeypatch.setattr(
+        Problem, "_size", lambda self, r: sizes.append(measured(self, r)) or sizes[-1])
+    problem.newton(np.zeros(ring.X.size))
+    assert sizes[-1] < 1e-9
+    last = [size for size in sizes if size > 1e-10][-3:]
+    assert np.log(last[2] / last[1]) < 1.7 * np.log(last[1] / last[0])
+
+
+def test_a_failed_step_is_undone_and_repeated_with_more_drag(ring, monkeypatch):
+    """Cut-back: state restored, viscosity raised, the same end reached."""
+    before = ring.problem.state()
+    whole, _ = creep(ring.problem, np.zeros(ring.X.size), 1e-3)
+    ring.problem.restore(before)
+    calls, newton = [], Problem.newton
+
+    def shaky(self, u, force=None):
+        calls.append(self.viscosity.coefficient)
+        if len(calls) == 2:
+            self.contacts[0].accept(u + 0.1)
+            raise NotConverged(1.0, 0)
+        return newton(self, u, force)
+
+    monkeypatch.setattr(Problem, "newton", shaky)
+    u, drag = creep(ring.problem, np.zeros(ring.X.size), 1e-3)
+    assert calls[2] > calls[1]
+    assert drag < ring.problem.tolerances.rest
+    assert np.abs(u - whole).max() < 0.01
+    assert ring.problem.cost.cut_backs == 1
+
+
+def test_no_steps_left_is_not_rest(ring):
+    """Steps that run out raise; a moving bandage is never returned."""
+    ring.problem.tolerances = Tolerances(steps=1)
+    with pytest.raises(NotConverged):
+        creep(ring.problem, np.zeros(ring.X.size), 1e-3)
