@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from html import escape
 
 import numpy as np
@@ -21,41 +22,70 @@ LEFT, RIGHT, TOP, BOTTOM = 56, 14, 34, 46
 def curves(x: np.ndarray, lines: Mapping[str, np.ndarray], x_label: str, y_label: str,
            marks: Mapping[str, float] | None = None, dots: bool = False,
            from_zero: bool = False) -> str:
-    """Curves over x (n,) with axes and a legend; marks: name -> x of a vertical line."""
+    """Curves over x (n,) with axes and a legend; marks: name -> x of a vertical line.
+
+    dots: a dot at each x, which is whole. from_zero: the y axis starts at 0.
+    """
     every = np.concatenate(list(lines.values()))
-    low, high = (0.0 if from_zero else every.min()), every.max()
-    y_ticks, x_ticks = ticks(low, high), ticks(x.min(), x.max())
+    x_ticks, y_ticks = ticks(x.min(), x.max()), ticks(0.0 if from_zero else every.min(),
+                                                      every.max())
     if dots:
         x_ticks = x_ticks[x_ticks == np.round(x_ticks)]
-    low, high = min(low, y_ticks[0]), max(high, y_ticks[-1])
-
-    def across(value):
-        return LEFT + (value - x.min()) / np.ptp(x) * (WIDTH - LEFT - RIGHT)
-
-    def up(value):
-        return HEIGHT - BOTTOM - (value - low) / (high - low) * (HEIGHT - TOP - BOTTOM)
-
-    parts = [f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{up(t):.1f}" y2="{up(t):.1f}" '
-             f'class="grid"/>{_text(LEFT - 6, up(t) + 4, f"{t:g}", "end")}' for t in y_ticks]
-    parts += [_text(across(t), HEIGHT - BOTTOM + 18, f"{t:g}") for t in x_ticks]
-    for name, place in (marks or {}).items():
-        parts.append(f'<line x1="{across(place):.1f}" x2="{across(place):.1f}" y1="{TOP}" '
-                     f'y2="{HEIGHT - BOTTOM}" class="mark"/>'
-                     + _text(across(place) + 3, HEIGHT - BOTTOM - 6, name, "start"))
+    plot = _Plot(x.min(), x.max(), min(every.min(), y_ticks[0]), max(every.max(), y_ticks[-1]))
+    parts = [*plot.axes(x_ticks, y_ticks, x_label, y_label), *plot.marks(marks or {})]
     for k, (name, values) in enumerate(lines.items()):
-        style = f'stroke="{COLOURS[k]}" stroke-dasharray="{DASHES[k]}"'
-        path = " ".join(f"{across(a):.1f},{up(b):.1f}" for a, b in zip(x, values, strict=True))
-        parts.append(f'<polyline points="{path}" fill="none" stroke-width="2" {style}/>')
-        if dots:
-            parts += [f'<circle cx="{across(a):.1f}" cy="{up(b):.1f}" r="3.5" '
-                      f'fill="{COLOURS[k]}"/>' for a, b in zip(x, values, strict=True)]
         place = LEFT + k * (WIDTH - LEFT) / len(lines)
-        parts.append(f'<line x1="{place:.0f}" x2="{place + 26:.0f}" y1="14" y2="14" '
-                     f'stroke-width="2" {style}/>{_text(place + 31, 18, name, "start")}')
-    parts += [_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 8, x_label),
-              f'<text transform="translate(14 {(TOP + HEIGHT - BOTTOM) / 2:.0f}) rotate(-90)" '
-              f'text-anchor="middle">{escape(y_label)}</text>']
+        parts += [*plot.line(x, values, k, dots), _polyline([(place, 14), (place + 26, 14)], k),
+                  _text(place + 31, 18, name, "start")]
     return _svg(WIDTH, HEIGHT, parts, f"{y_label} against {x_label}")
+
+
+@dataclass(frozen=True)
+class _Plot:
+    """Where values lie on the drawing."""
+
+    left: float
+    right: float
+    low: float
+    high: float
+
+    def across(self, x: float) -> float:
+        return LEFT + (x - self.left) / (self.right - self.left) * (WIDTH - LEFT - RIGHT)
+
+    def up(self, y: float) -> float:
+        return HEIGHT - BOTTOM - (y - self.low) / (self.high - self.low) * (HEIGHT - TOP - BOTTOM)
+
+    def axes(self, x_ticks, y_ticks, x_label: str, y_label: str) -> Iterator[str]:
+        for tick in y_ticks:
+            yield (f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{self.up(tick):.1f}" '
+                   f'y2="{self.up(tick):.1f}" class="grid"/>')
+            yield _text(LEFT - 6, self.up(tick) + 4, f"{tick:g}", "end")
+        for tick in x_ticks:
+            yield _text(self.across(tick), HEIGHT - BOTTOM + 18, f"{tick:g}")
+        yield _text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 8, x_label)
+        yield (f'<text transform="translate(14 {(TOP + HEIGHT - BOTTOM) / 2:.0f}) rotate(-90)" '
+               f'text-anchor="middle">{escape(y_label)}</text>')
+
+    def marks(self, places: Mapping[str, float]) -> Iterator[str]:
+        for name, place in places.items():
+            x = self.across(place)
+            yield (f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{HEIGHT - BOTTOM}" '
+                   'class="mark"/>')
+            yield _text(x + 3, HEIGHT - BOTTOM - 6, name, "start")
+
+    def line(self, x: np.ndarray, y: np.ndarray, k: int, dots: bool) -> Iterator[str]:
+        points = [(self.across(a), self.up(b)) for a, b in zip(x, y, strict=True)]
+        yield _polyline(points, k)
+        if dots:
+            yield "".join(f'<circle cx="{a:.1f}" cy="{b:.1f}" r="3.5" fill="{COLOURS[k]}"/>'
+                          for a, b in points)
+
+
+def _polyline(points, k: int) -> str:
+    """A line in the k-th style through points (n, 2)."""
+    path = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
+    return (f'<polyline points="{path}" fill="none" stroke-width="2" stroke="{COLOURS[k]}" '
+            f'stroke-dasharray="{DASHES[k]}"/>')
 
 
 def ticks(low: float, high: float) -> np.ndarray:
@@ -76,10 +106,7 @@ def outlines(name: str, height: float, scan: FittedScan, size: int = 250) -> str
     half = size / 2
     parts = []
     for k, ring in enumerate(rings):
-        place = half + (ring - middle) * [1, -1] * half / reach
-        path = " ".join(f"{a:.1f},{b:.1f}" for a, b in place)
-        parts.append(f'<polyline points="{path}" fill="none" stroke-width="2" '
-                     f'stroke="{COLOURS[k]}" stroke-dasharray="{DASHES[k]}"/>')
+        parts.append(_polyline(half + (ring - middle) * [1, -1] * half / reach, k))
     bar = 20 * half / reach
     parts += [_text(half, 13, "front"), _text(half, size - 4, "back"),
               _text(4, half, "inside", "start"), _text(size - 4, half, "outside", "end"),

@@ -43,13 +43,12 @@ class Profile:
 
 @dataclass(frozen=True)
 class Zone:
-    """An ankle and the calf above it: heights and girths; `top` is the last complete level."""
+    """An ankle and the calf above it: heights and girths."""
 
     ankle: float
     ankle_girth: float
     calf: float
     calf_girth: float
-    top: float
 
 
 def complete_levels(vertices: np.ndarray, triangles: np.ndarray, levels: int = LEVELS,
@@ -101,7 +100,7 @@ def _zone(z: np.ndarray, girth: np.ndarray, ankle: int) -> Zone:
                             & (highest > CALF_OVER_ANKLE[0] * above[0]))
     end = fallen[0] if len(fallen) else len(above)
     calf = ankle + above[:end].argmax()
-    return Zone(z[ankle], girth[ankle], _peak(z, girth, calf), girth[calf], z[-1])
+    return Zone(z[ankle], girth[ankle], _peak(z, girth, calf), girth[calf])
 
 
 def _peak(z: np.ndarray, girth: np.ndarray, at: int) -> float:

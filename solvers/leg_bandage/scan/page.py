@@ -39,9 +39,9 @@ def scan_page(scan: FittedScan) -> str:
 def cohort_page(grown: GrownCohort, folder: Path) -> str:
     """Reconstruction error against the number of modes, as Figure 1 of Chassagne et al. 2018."""
     modes = np.array([loss.modes for loss in grown.losses])
-    lines = {"95 % of the points, legs learnt from": [loss.percentile_95 for loss in grown.losses],
-             "95 % of the points, legs left out": [loss.left_out_95 for loss in grown.losses],
-             "RMS, legs learnt from": [loss.rms for loss in grown.losses]}
+    lines = {"95 %, learnt from": [loss.percentile_95 for loss in grown.losses],
+             "95 %, left out": [loss.left_out_95 for loss in grown.losses],
+             "RMS, learnt from": [loss.rms for loss in grown.losses]}
     drawing = curves(modes, {name: np.array(line) for name, line in lines.items()},
                      "number of modes", "error of the skin, mm", dots=True, from_zero=True)
     facts = grown.cohort.facts

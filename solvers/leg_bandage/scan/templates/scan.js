@@ -33,7 +33,7 @@ function seen(x, y, z) {
 function drawLeg() {
   const [pen, width, height] = fitted(leg);
   pen.clearRect(0, 0, width, height);
-  const size = 0.86 * Math.min(height / (shape.length + 40), width / 190);
+  const size = 0.86 * Math.min(height / (shape.length + 40), width / 250);
   const place = p => [width / 2 + size * p[0], height / 2 - size * p[1]];
   const skin = shape[shown], step = 2, faces = [];
   const points = skin.map((ring, i) => ring.map(p => seen(p[0], p[1], shape.z[i])));
@@ -79,7 +79,9 @@ function ring(pen, place, points, name, level) {
   }
   const right = line.reduce((best, p) => p[0] > best[0] ? p : best);
   pen.fillStyle = "#000";
-  pen.fillText(`${name}, ${level.toFixed(0)} mm`, place(right)[0] + 8, place(right)[1] + 4);
+  const words = `${name}, ${level.toFixed(0)} mm`, edge = pen.canvas.getBoundingClientRect().width;
+  const left = Math.min(place(right)[0] + 8, edge - pen.measureText(words).width - 4);
+  pen.fillText(words, left, place(right)[1] + 4);
 }
 function disc(pen, place) {
   if (!shape.sensor.length) return;
