@@ -1,7 +1,7 @@
 """Strains of a Kirchhoff-Love surface, and first and second derivatives of its energy.
 
 All is pointwise in Z = (a1, a2, x,11, x,22, x,12), the first and second derivatives of the
-surface x(s, w); arrays are (5, ..., 3). Derivations: MATERIAL.md, after Kiendl, Bletzinger,
+surface x(s, w); arrays are (5, ..., 3). Derivations: README.md, after Kiendl, Bletzinger,
 Linhard and Wuchner 2009. Units: N, mm.
 """
 

@@ -7,7 +7,7 @@ points are the unknowns: nine an element. With a1 = x,s, a2 = x,w, n their unit 
 
 and the energy per undeformed area is `Fabric`'s. Derivatives follow Kiendl et al. 2009; in
 terms of Z = (a1, a2, x,11, x,22, x,12) force and tangent are linear maps of dW/dZ and
-d2W/dZ2 that are the same for all elements, so assembly is one matrix product. MATERIAL.md
+d2W/dZ2 that are the same for all elements, so assembly is one matrix product. README.md
 has the formulas. Units: N, mm, MPa.
 """
 

@@ -115,7 +115,7 @@ def test_build_cohort_and_use_it(command, folder, tmp_path):
 
 
 def test_losses_of_the_shipped_legs():
-    """GEOMETRY.md prints them: 9.98, 7.60, 3.21, 2.46 mm; a leg left out loses more."""
+    """README.md prints them: 9.98, 7.60, 3.21, 2.46 mm; a leg left out loses more."""
     found = losses(load_cohort("train"))
     assert [loss.percentile_95 for loss in found[:4]] == pytest.approx(
         [9.98, 7.60, 3.21, 2.46], abs=0.005)
