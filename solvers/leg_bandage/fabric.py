@@ -22,7 +22,6 @@ from scipy.interpolate import PchipInterpolator
 
 from surrogate.errors import SolverError
 
-
 WRINKLING = 0.02
 """Half the compressive strain at which a fabric has wrinkled fully."""
 

@@ -1,7 +1,9 @@
 """The whole model on the mean leg: equilibrium, sizes of the answers, errors, export."""
 
+import re
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -155,3 +157,28 @@ def test_nowhere_has_no_pressure(result):
     """A sensor at NaN height reads NaN."""
     found = imprint(result.model, result.u)
     assert np.isnan(on_disc(found, result.leg, Disc(np.pi, np.nan))[0])
+
+
+@pytest.mark.slow
+def test_the_readme_runs_as_it_stands(capsys):
+    """The first Python block of this package's README prints a pressure."""
+    text = (Path(loading.__file__).parent / "README.md").read_text(encoding="utf-8")
+    block = re.search(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL).group(1)
+    exec(compile(block, "README.md", "exec"), {})
+    assert 20 < float(capsys.readouterr().out.split()[0]) < 60
+
+
+@pytest.mark.slow
+def test_turn_by_turn_on_the_deformed_leg():
+    """Mode `progressive`: the same bandage goes a little farther round a leg that gives way."""
+    laid = LegBandage(mesh="coarse", wrapping="progressive")()
+    assert 3.958 < laid["turns"] < 4.1
+    assert 28 < laid["pressure_b1"] < 36
+
+
+@pytest.mark.slow
+def test_a_free_end_held_in_place_and_pinned_cuts():
+    """The end conditions are far from B1: they change its pressure by less than 2 %."""
+    clipped = LegBandage(mesh="coarse")()["pressure_b1"]
+    held = LegBandage(mesh="coarse", end="held", leg_ends="no_axial")()["pressure_b1"]
+    assert held == pytest.approx(clipped, rel=0.02)
