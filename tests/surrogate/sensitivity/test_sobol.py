@@ -132,7 +132,8 @@ def test_correlated_parameters_are_refused_and_sent_to_shapley_effects():
 
 @pytest.mark.parametrize(("estimator", "how"), [
     (Interactions(), "Student t draws"), (GaussianProcess(), "posterior draws"),
-    (GaussianProcessRegressor(RBF([1.0, 1.0, 1.0]), alpha=1e-8), "posterior draws"),
+    (GaussianProcessRegressor(RBF([1.0, 1.0, 1.0]), alpha=1e-8, optimizer=None),
+     "posterior draws"),
     (RandomForestRegressor(n_estimators=10, random_state=0), "pairs bootstrap")])
 def test_every_kind_of_surrogate_shows_its_own_part(estimator, how, textbook):
     """Polynomials, Gaussian processes of two kinds and a forest."""
