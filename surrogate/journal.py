@@ -186,7 +186,10 @@ class Journal:
         """
         try:
             places = {name: self._write_field(array) for name, array in (fields or {}).items()}
-            whole = {**vars(record), "fields": {**record.fields, **places}}
+            # JSON has no NaN: a gap is null, which becomes NaN again in the runs dataset.
+            scalars = {name: None if value != value else value
+                       for name, value in record.outputs.items()}
+            whole = {**vars(record), "outputs": scalars, "fields": {**record.fields, **places}}
             self._records.write(json.dumps(whole, allow_nan=False).encode() + b"\n")
         except OSError as error:
             raise _trouble(self.folder, error) from error

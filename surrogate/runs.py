@@ -214,13 +214,18 @@ def select(runs: xr.Dataset, *, designs: Iterable[str] | None = None,
 
 def training(runs: xr.Dataset, output: str,
              designs: Iterable[str] = ("train",)) -> tuple[np.ndarray, np.ndarray]:
-    """Coded points (n, parameter) and values (n, ...) of `output` in the good runs of `designs`."""
+    """Coded points (n, parameter) and values (n, ...) of `output` in the good runs of `designs`.
+
+    Runs in which the output has a gap are left out.
+    """
     known = [name for name in runs if name not in RESERVED_NAMES
              and name not in runs["parameter"].values]
     if output not in known:
         raise ResultsError(f"there is no output '{output}'; {nearest(output, known)}")
     good = select(runs, designs=designs, statuses=["ok"])
-    return good["coded"].values, good[output].values
+    values = good[output].values
+    known = np.isfinite(values).reshape(len(values), -1).all(axis=1)
+    return good["coded"].values[known], values[known]
 
 
 def counts(runs: xr.Dataset) -> dict[str, int]:

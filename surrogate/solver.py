@@ -56,13 +56,16 @@ class Input:
 class Output:
     """A quantity that the solver returns: a float, or an array over `dims`.
 
-    coordinates maps each name in `dims` to its coordinate values, shape (size,).
+    coordinates maps each name in `dims` to its coordinate values, shape (size,). Answers
+    are finite, unless `gaps` says that NaN is an answer: the quantity does not exist at
+    that point. Surrogates of it learn from the runs where it exists.
     """
 
     unit: str = ""
     dims: tuple[str, ...] = ()
     coordinates: Mapping[str, np.ndarray] = field(default_factory=dict)
     description: str = ""
+    gaps: bool = False
 
     @property
     def shape(self) -> tuple[int, ...]:

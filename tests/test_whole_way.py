@@ -136,6 +136,19 @@ def test_a_renamed_study_takes_its_runs_along(place):
     assert len((place / "log").read_text().splitlines()) == 32
 
 
+def test_gaps_of_an_output_are_no_failures(place):
+    """NaN of an output that declares gaps: the run is good, the surrogate learns from the rest."""
+    text = SOLVER.replace('"y": Output(unit="mm")', '"y": Output(), "z": Output(gaps=True)')
+    (place / "my_solver.py").write_text(text.replace(
+        'a + b * b}', 'a + b * b, "z": a * b if a > 0.2 else float("nan")}'))
+    command("run", "small.yaml", cwd=place, check=0)
+    runs = xr.open_dataset(place / "results/small/runs.nc")
+    assert (runs["status"] == "ok").all()
+    np.testing.assert_array_equal(np.isnan(runs["z"]), runs["a"] <= 0.2)
+    summary = json.loads((place / "results/small/summary.json").read_text())
+    assert summary["regression"]["quadratic"]["z"]["r2"]["values"] == pytest.approx(1.0)
+
+
 def test_designs_without_a_seed_differ(place):
     """Two designs of one method without seeds are reproducible, and not the same points."""
     text = SMALL.replace("{train: {method: sobol, runs: 32, seed: 1}}",

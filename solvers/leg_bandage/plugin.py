@@ -81,8 +81,8 @@ WRINKLED = 0.05
 """Share of the warp stiffness left where the bandage is compressed: assumed."""
 
 
-def _mmhg(description: str) -> Output:
-    return Output(unit="mmHg", description=description)
+def _mmhg(description: str, gaps: bool = False) -> Output:
+    return Output(unit="mmHg", description=description, gaps=gaps)
 
 
 OUTPUTS: Mapping[str, Output] = {
@@ -93,7 +93,7 @@ OUTPUTS: Mapping[str, Output] = {
                     "anterior (90) to medial (180), height over leg length"),
     "pressure_b1_girth": _mmhg("the same sensor at B1 by the girth rule"),
     "pressure_b1_profile": _mmhg("the same sensor at B1 by the paper's profile rule; NaN "
-                                 "where the profile has no such point"),
+                                 "where the profile has no such point", gaps=True),
     "pressure_ankle": _mmhg("the sensor with its lower rim at the narrowest girth"),
     "pressure_calf": _mmhg("the sensor at the widest girth, or as high as two layers reach"),
     "sensor_variation": _mmhg("mean change of pressure_b1 when the sensor moves by 10 mm"),

@@ -189,9 +189,9 @@ def _value(name: str, declared: Output, value: Any, where: str) -> Iterable[str]
     if value.shape != declared.shape:
         yield (f"output {name} {where} has shape {value.shape}; its dims {list(declared.dims)} "
                f"say {declared.shape}")
-    if not np.isfinite(value).all():
+    if np.isinf(value).any() or (np.isnan(value).any() and not declared.gaps):
         yield (f"output {name} {where} is not finite; raise SolverError with a sentence that says "
-               "why there is no answer")
+               "why there is no answer, or declare Output(gaps=True)")
 
 
 def _pickled(solver: Any, runs: int) -> Iterable[str]:

@@ -76,7 +76,7 @@ def check(name: str, output: Output, result: Any) -> np.ndarray:
     """Output `name` of a solver's result as doubles of the declared shape.
 
     Raises `ValueError` with a sentence when it is missing, no real number, of another
-    shape, or not finite.
+    shape, or not finite where the solver declares no gaps.
     """
     if not isinstance(result, Mapping):
         raise ValueError(f"the solver returned {type(result).__name__}; it must return a mapping "
@@ -95,7 +95,7 @@ def check(name: str, output: Output, result: Any) -> np.ndarray:
     if value.shape != output.shape:
         raise ValueError(f"output '{name}' has shape {value.shape}; the solver declares "
                          f"{output.shape}")
-    bad = np.count_nonzero(~np.isfinite(value))
+    bad = np.count_nonzero(np.isinf(value) if output.gaps else ~np.isfinite(value))
     if bad and not output.dims:
         raise ValueError(f"output '{name}' is {value}; it must be finite")
     if bad:
