@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from surrogate import units
 from surrogate.errors import ResultsError, StudyError, nearest
@@ -38,12 +39,13 @@ def predict(study: Study, results: Path, surrogate: str | None, words: Sequence[
     """
     physical = _from_words(study, words) if points is None else _from_csv(study, points, words)
     coded = study.space.encode(physical)
-    fits, note = _fits(study, results, surrogate)
+    stored = _stored(study, results, surrogate)
+    fits = (study if surrogate is None else study.with_surrogates([surrogate])).fit(stored)
     inside = study.space.contains(coded)
     outputs = {output: (name, *_with_interval(fits[name][output], coded))
-               for output, name in _chosen(study, fits, results, surrogate).items()}
+               for output, name in _chosen(study, fits, stored, surrogate).items()}
     return Predictions([_row(study.space, physical, inside, outputs, i)
-                        for i in range(len(coded))], note)
+                        for i in range(len(coded))], _note(stored))
 
 
 def _row(space: Space, physical, inside, outputs, i: int) -> dict[str, Any]:
@@ -59,29 +61,32 @@ def _with_interval(fit, coded):
     return fit.predict(coded), *fit.interval(coded)
 
 
-def _fits(study: Study, results: Path, surrogate: str | None) -> tuple[Fits, str]:
+def _stored(study: Study, results: Path, surrogate: str | None) -> xr.Dataset:
+    """The runs there are, when the study can predict from them with that surrogate."""
     if not study.surrogates:
         raise StudyError("the study has no surrogates to predict with; add surrogates:")
     if surrogate is not None and surrogate not in study.surrogates:
         raise StudyError(f"surrogate '{surrogate}' is unknown; "
                          f"{nearest(surrogate, study.surrogates)}")
     stored = study.stored(results)
-    done = int((stored["status"] == "ok").sum())
-    if not done:
+    if not (stored["status"] == "ok").any():
         raise ResultsError(f"{results} holds no finished runs of this study; "
                            "do `surrogate run` first")
+    return stored
+
+
+def _note(stored: xr.Dataset) -> str:
     missing = int((stored["status"] == "missing").sum())
-    note = f"{missing} runs of the study are not done yet; the surrogates lack them." \
+    return f"{missing} runs of the study are not done yet; the surrogates lack them." \
         if missing else ""
-    chosen = study if surrogate is None else study.with_surrogates([surrogate])
-    return chosen.fit(stored), note
 
 
-def _chosen(study: Study, fits: Fits, results: Path, surrogate: str | None) -> dict[str, str]:
+def _chosen(study: Study, fits: Fits, stored: xr.Dataset,
+            surrogate: str | None) -> dict[str, str]:
     """Which surrogate answers for each output."""
     if surrogate is not None:
         return {output: surrogate for output in fits[surrogate]}
-    best = study.best(study.compare(fits, study.stored(results))) if len(fits) > 1 else {}
+    best = study.best(study.compare(fits, stored)) if len(fits) > 1 else {}
     return {output: best.get(output, next(iter(fits))) for output in study.outputs
             if any(output in by_output for by_output in fits.values())}
 

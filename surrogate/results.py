@@ -98,7 +98,7 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
     table = study.compare(fits, runs)
     regressions = study.regressions(fits)
     indices = study.sensitivity(fits, runs, table)
-    screening = study.screening(fits, runs, table, indices)
+    screening = study.screening(fits, table, indices)
     reduced = reduced_text(study, screening) if screening is not None else ""
     not_done = study.unfitted(runs, fits)
     rundata.save(runs, folder / RUNS)

@@ -215,7 +215,7 @@ class Study:
         taken = parameters_of(method.function)
         return {name: value for name, value in (("seed", 0), ("q2", q2)) if name in taken}
 
-    def screening(self, fits: Fits, runs: xr.Dataset, table: xr.Dataset | None,
+    def screening(self, fits: Fits, table: xr.Dataset | None,
                   indices: xr.Dataset | None) -> Screening | None:
         """Which parameters to keep; None when the study does not ask or nothing could be read."""
         if self.screening_rule is None or indices is None:
