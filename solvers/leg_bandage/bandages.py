@@ -3,7 +3,9 @@
 Chassagne et al. 2018 give the tension at stretch 1.3 as a range, 0.059..0.137 N/mm, for the
 two bandages of their measurements together; they take the other constants from an article
 that prints none of them openly. Every value here is therefore marked `assumed`, with its
-ground, and none carries a tension curve: give a measured one to `Fabric(curve=...)`.
+ground. Tension is either the secant's, T = K1 (stretch - 1), or follows a curve through the
+same point at stretch 1.3. No published curve of these bandages was found, so that curve is
+assumed too; `Fabric(curve=...)` takes a measured one.
 """
 
 from __future__ import annotations
@@ -15,10 +17,21 @@ from solvers.leg_bandage.fabric import Fabric
 from surrogate.errors import SolverError, nearest
 
 STRETCH = 1.3
+Curve = tuple[tuple[float, float], ...]
 
 NOMINAL = Fabric(
     K1=0.098 / 0.3, K2=0.3, nu12=0.2, G=0.05, F1=0.05, F2=0.05, tau12=0.02, thickness=0.7
 )
+
+CURVED: Curve = ((1.0, 0.0), (1.05, 0.27), (1.1, 0.49), (1.15, 0.65), (1.2, 0.78), (1.25, 0.89),
+                 (1.3, 1.0), (1.35, 1.10), (1.4, 1.20), (1.45, 1.30), (1.5, 1.40), (1.6, 1.62),
+                 (1.8, 2.16), (2.0, 2.90))
+"""(stretch, tension over the tension at stretch 1.3) of a long-stretch bandage: assumed.
+
+Its slope is 1.6 times the secant's at the start, 0.6 of it from 1.3 to 1.5, and rises from
+there to 1.1 at 2.0: tension curves of elastic bandages have an inflexion (Textile Research
+Journal 2019, doi 10.1177/0040517519833969, reads the pressure off there), the sizes are a
+guess."""
 
 _FABRICS = "size of Kawabata's figures for woven and knitted fabrics, not this bandage's"
 ASSUMED: Mapping[str, str] = {
@@ -29,16 +42,25 @@ ASSUMED: Mapping[str, str] = {
     "F2": "assumed: as F1",
     "tau12": "assumed: that of an isotropic sheet with the same bending, rounded",
     "thickness": "assumed",
+    "curve": "assumed: a shape with an inflexion, as tension curves of elastic bandages have "
+             "(doi 10.1177/0040517519833969); its sizes are a guess",
 }
 
 
 @dataclass(frozen=True)
 class Bandage:
-    """A bandage on the shelf: its fabric, its width in mm, and the source of each constant."""
+    """A bandage on the shelf.
+
+    fabric   its constants, with the secant law
+    sources  where each of them comes from
+    width    mm
+    curve    (stretch, tension over the tension at stretch 1.3) for the curved law
+    """
 
     fabric: Fabric
     sources: Mapping[str, str]
     width: float = 100.0
+    curve: Curve = CURVED
 
 
 def at_tension(tension: float, fabric: Fabric = NOMINAL) -> Fabric:

@@ -14,7 +14,7 @@ B1 is the level at which the Achilles tendon turns into the calf muscles. Two ru
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -108,6 +108,12 @@ class Disc:
         z = self.z + np.outer(ring, np.sin(angle)).ravel() / slant
         theta = _walk(leg, self.theta, z, along)
         return theta, z, np.repeat(weights / 2, spokes) / spokes
+
+    def moved(self, leg: Leg, around: float = 0.0, up: float = 0.0) -> Disc:
+        """The disc with its centre moved along the skin, mm: around (to rising theta) and up."""
+        z = self.z + up / np.linalg.norm(leg.surface(self.theta, self.z, d_z=1))
+        theta = _walk(leg, self.theta, np.array([z]), np.array([around]))
+        return replace(self, theta=float(theta[0]), z=float(z))
 
     def mask(self, leg: Leg, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Which points of the skin (theta, z broadcast) the disc covers; by straight distance."""

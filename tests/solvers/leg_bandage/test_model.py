@@ -123,9 +123,8 @@ def test_a_run_that_does_not_converge_says_so(result, monkeypatch):
 
 @pytest.mark.parametrize("options, words", [
     ({"mesh": "medum"}, "did you mean 'medium'"),
-    ({"wrapping": "spiral"}, "prescribed, progressive"),
     ({"fabric": "biflex_18"}, "biflex_16"),
-    ({"start_height": 200}, "between -30 and 60 mm"),
+    ({"cohort": "no.npz"}, "no.npz is not a file of legs.*build-cohort"),
 ])
 def test_wrong_options(options, words):
     """The value, what is allowed, the nearest spelling."""
@@ -135,6 +134,9 @@ def test_wrong_options(options, words):
 
 @pytest.mark.parametrize("inputs, words", [
     ({"tensoin": 0.1}, "did you mean 'tension'"),
+    ({"wrapping": "spiral"}, "prescribed, progressive"),
+    ({"tension_law": "curve"}, "did you mean 'curved'"),
+    ({"start_height": 200}, "between -30 and 60 mm"),
     ({"tension": 0.4}, r"tension: 0.4 N/mm is not between 0.02 and 0.25 N/mm"),
     ({"leg_length": 140.0, "width": 120.0, "overlap": 0.2}, "turns"),
     ({"alpha1": -0.4, "alpha2": 0.25, "alpha4": 0.2}, "not a possible leg"),
@@ -171,7 +173,7 @@ def test_the_readme_runs_as_it_stands(capsys):
 @pytest.mark.slow
 def test_turn_by_turn_on_the_deformed_leg():
     """Mode `progressive`: the same bandage goes a little farther round a leg that gives way."""
-    laid = LegBandage(mesh="coarse", wrapping="progressive")()
+    laid = LegBandage(mesh="coarse")(wrapping="progressive")
     assert 3.958 < laid["turns"] < 4.1
     assert 28 < laid["pressure_b1"] < 36
 

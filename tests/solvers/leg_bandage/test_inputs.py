@@ -1,0 +1,174 @@
+"""What the bandage solver takes: sensor, start, laws, legs of one's own, identity of runs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from solvers.leg_bandage.bandages import BANDAGES, CURVED, bandage
+from solvers.leg_bandage.basis import fit_basis
+from solvers.leg_bandage.cohort import load_cohort, write_cohort
+from solvers.leg_bandage.landmarks import MEDIAL, Disc, b1_height
+from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.outputs import _circle, imprint, on_disc
+from solvers.leg_bandage.parameters import INPUTS, shapes_in
+from solvers.leg_bandage.plugin import LegBandage
+from surrogate.conformance import check_solver
+from surrogate.errors import SolverError, StudyError
+from surrogate.identity import Recipe, keys
+from surrogate.identity import calls as calls_of
+
+
+@pytest.fixture(scope="module")
+def result():
+    """One coarse run on the mean leg."""
+    return LegBandage(mesh="coarse").run()
+
+
+@pytest.fixture(scope="module")
+def moved():
+    """The same with the sensor 6 mm around and 8 mm up: 10 mm from B1."""
+    return LegBandage(mesh="coarse").run(sensor_around=6.0, sensor_up=8.0)
+
+
+def test_the_declarations_keep_the_contract():
+    """Units, ranges, levels and names, without a run."""
+    check_solver(LegBandage(), runs=0)
+    check_solver(LegBandage(fabric="biflex_17"), runs=0)
+
+
+def test_a_moved_sensor_reads_the_same_field_elsewhere(result, moved):
+    """The mechanics does not feel the sensor: only what hangs on its place differs."""
+    leg, values = result.leg, result.values
+    sensor = Disc(MEDIAL, b1_height(leg)).moved(leg, 6.0, 8.0)
+    expected, _ = on_disc(imprint(result.model, result.u), leg, sensor)
+    assert moved.values["pressure_b1"] == expected != values["pressure_b1"]
+    for name in ("pressure_b1_girth", "b1_height", "slip_max", "pressure_ankle"):
+        assert moved.values[name] == values[name]
+    assert np.array_equal(moved.values["pressure_field"], values["pressure_field"])
+
+
+def test_sensor_variation_is_the_mean_over_moved_sensors(result):
+    """Eight sensors on a circle of 10 mm, read as `sensor_around` and `sensor_up` move them."""
+    places = _circle(10.0)
+    assert (0.0, 10.0) == pytest.approx(places[2], abs=1e-12)
+    found, sensor = imprint(result.model, result.u), Disc(MEDIAL, b1_height(result.leg))
+    read = [on_disc(found, result.leg, sensor.moved(result.leg, *place))[0] for place in places]
+    mean = np.mean(np.abs(np.array(read) - result.values["pressure_b1"]))
+    assert result.values["sensor_variation"] == pytest.approx(mean, rel=1e-12)
+
+
+def test_a_disc_moves_by_true_lengths():
+    """On a cone r = 30 + z / 10: up by 10 is 10 cos(half angle) high, around by 10 is 10 / r."""
+    heights = np.linspace(0, 200.0, 100)
+    coefficients = np.zeros((100, 11))
+    coefficients[:, 0] = 30 + 0.1 * heights
+    leg = Leg.from_sections(200.0, coefficients, np.zeros((100, 2)))
+    up = Disc(1.0, 60.0).moved(leg, up=10.0)
+    assert up.z - 60 == pytest.approx(10 * np.cos(np.arctan(0.1)), rel=1e-6)
+    assert up.theta == 1.0
+    around = Disc(1.0, 60.0).moved(leg, around=-10.0)
+    assert around.theta - 1 == pytest.approx(-10 / 36, rel=1e-6)
+    assert around.z == 60.0
+
+
+def test_the_bandage_starts_where_it_is_told(result):
+    """A first end 30 mm higher leaves 30 mm less to climb: 0.6 turns at a pitch of 50 mm."""
+    high = LegBandage(mesh="coarse").run(start_height=20.0)
+    assert result.values["turns"] - high.values["turns"] == pytest.approx(30 / 50, rel=1e-9)
+    assert high.model.lay.skin[:, :, 1].min() > result.model.lay.skin[:, :, 1].min() + 25
+    assert high.values["pressure_ankle"] < result.values["pressure_ankle"]
+
+
+@pytest.mark.parametrize("name", sorted(BANDAGES))
+def test_curves_pass_through_the_secant_at_1_3(name):
+    """Chassagne et al. 2018, equation 10, fixes the point (1.3, T); each curve says its ground.
+
+    The curve is stiffer than the secant first, then softer, then stiffer again: an inflexion.
+    """
+    chosen = bandage(name)
+    stretch, share = np.array(chosen.curve).T
+    assert np.interp(1.3, stretch, share) == 1.0
+    slope = np.diff(share) / np.diff(stretch) * 0.3
+    assert slope[0] > 1.2 and slope.min() < 0.8 and slope[-1] > 1.0
+    turn = slope.argmin()
+    assert (np.diff(slope[: turn + 1]) <= 1e-9).all() and (np.diff(slope[turn:]) >= -1e-9).all()
+    assert chosen.sources["curve"].split(":")[0] in ("assumed", "measured")
+
+
+@pytest.mark.parametrize("fabric", [None, "biflex_16"])
+def test_the_law_of_the_fabric_that_is_solved(fabric):
+    """Both laws have the asked tension at stretch 1.3 and weft-free equation 10, or the curve."""
+    solver = LegBandage(fabric=fabric)
+    q = {name: one.nominal for name, one in solver.inputs.items()} | {"tension": 0.12}
+    laws = {law: solver._material(q | {"tension_law": law}).fabric for law in ("secant", "curved")}
+    assert [laws[law].tension(1.3) for law in laws] == pytest.approx([0.12, 0.12], rel=1e-12)
+    assert laws["secant"].tension(1.4) == pytest.approx(0.16, rel=1e-12)
+    assert laws["curved"].tension(1.4) == pytest.approx(0.12 * dict(CURVED)[1.4], rel=1e-12)
+
+
+@pytest.mark.slow
+def test_the_curved_law_pays_for_its_stretch(result):
+    """dP = dT / T P to first order: the midline comes to rest at 1.282 of 1.3.
+
+    Where stretch is lost, tension falls by 0.6 of what the secant loses, so the pressure is
+    higher, by less than the whole loss of the secant (6 %).
+    """
+    curved = LegBandage(mesh="coarse")(tension_law="curved")["pressure_b1"]
+    assert 1.0 < curved / result.values["pressure_b1"] < 1.06
+
+
+def test_a_leg_with_sections_of_its_own(result):
+    """The leg of four coordinates, given by its sections, is the same leg: the same answer."""
+    solver = LegBandage(mesh="coarse")
+    leg = Leg.from_sections(result.leg.length, result.leg.coefficients, result.leg.centre)
+    own = solver.run(leg)
+    assert own.leg.alphas is None
+    assert own.values["pressure_b1"] == result.values["pressure_b1"]
+    with pytest.raises(SolverError, match="alpha1: the leg that is given has its own shape"):
+        solver.run(leg, alpha1=-0.7)
+
+
+def test_a_cohort_of_ones_own(tmp_path):
+    """Nominal lengths and alphas are the cohort's means, and the leg is made on its basis."""
+    whole = load_cohort("val")
+    few = replace(whole, coefficients=whole.coefficients[:9], centre=whole.centre[:9],
+                  length=whole.length[:9], facts={})
+    write_cohort(tmp_path / "mine.npz", few)
+    solver = LegBandage(cohort="mine.npz", folder=tmp_path)
+    basis = fit_basis(few.snapshots(), 4)
+    assert solver.inputs["leg_length"].nominal == pytest.approx(few.length.mean(), abs=0.05)
+    for k in range(4):
+        given = solver.inputs[f"alpha{k + 1}"]
+        assert given.nominal == pytest.approx(basis.mean[k], abs=5e-5)
+        assert given.range[0] < basis.ranges[k, 0] < basis.ranges[k, 1] < given.range[1]
+        assert "9 legs in mine.npz" in given.source
+    assert np.array_equal(solver.basis.modes, basis.modes)
+    assert solver.inputs["tension"] == INPUTS["tension"]
+    write_cohort(tmp_path / "two.npz", replace(few, coefficients=few.coefficients[:2],
+                                               centre=few.centre[:2], length=few.length[:2]))
+    with pytest.raises(StudyError, match="two.npz holds 2 legs; 4 modes need at least 5"):
+        shapes_in("two.npz", tmp_path)
+
+
+def _key(inputs=None, **options):
+    recipe = Recipe("leg_bandage", LegBandage, options)
+    return keys(recipe, calls_of(recipe, {"mu_skin": [0.2]}, inputs))[0]
+
+
+def test_identity_of_runs(tmp_path):
+    """Runs differ by what changes an answer: not by the linear solver, defaults, or a path."""
+    cohort = load_cohort("val")
+    for name in ("a.npz", "b.npz"):
+        write_cohort(tmp_path / name, replace(cohort, facts={}))
+    same = {_key(), _key(mesh="medium"), _key(linear_solver="superlu"),
+            _key({"wrapping": "prescribed", "sensor_up": 0.0})}
+    assert len(same) == 1
+    assert _key(cohort=str(tmp_path / "a.npz")) == _key(cohort=str(tmp_path / "b.npz"))
+    others = [_key(mesh="coarse"), _key(end="held"), _key(b1_rule="profile"),
+              _key(leg_ends="pinned"), _key(cohort=str(tmp_path / "a.npz")),
+              _key({"wrapping": "progressive"}), _key({"tension_law": "curved"}),
+              _key({"sensor_up": 5.0}), _key({"start_height": 0.0}), _key(fabric="biflex_16")]
+    assert len({*same, *others}) == 1 + len(others)
+    tension = LegBandage(fabric="biflex_16").inputs["tension"].nominal
+    assert _key(fabric="biflex_16") == _key({"tension": tension})
