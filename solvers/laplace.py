@@ -9,13 +9,14 @@ The law knows no friction, no tissue and no loss of tension.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
 from solvers.leg_bandage.feasibility import check_leg
-from solvers.leg_bandage.landmarks import RULES, sensor
+from solvers.leg_bandage.landmarks import RULES, Disc, sensor
 from solvers.leg_bandage.leg import Leg
-from solvers.leg_bandage.parameters import SHAPE, TENSION, check_ranges
+from solvers.leg_bandage.parameters import TENSION, check_ranges, shapes_in
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Input, Output
 
@@ -23,6 +24,12 @@ MMHG = 1.33322e-4
 """MPa in 1 mmHg."""
 
 ANGLES = np.arange(0.0, 360.0, 5.0)
+
+MU_SKIN = Input(
+    nominal=0.2, range=(0.0, 1.0),
+    description="friction between skin and bandage; Laplace's law has none, so it has "
+                "no effect here, and is an input because a study varies it",
+    source="Chassagne et al. 2018, Table II: 0.10..0.30")
 
 
 def laplace_pressure(tension: float, curvature, layers: int = 2) -> np.ndarray:
@@ -33,23 +40,32 @@ def laplace_pressure(tension: float, curvature, layers: int = 2) -> np.ndarray:
     return layers * tension * np.maximum(curvature, 0.0) / MMHG
 
 
+def laplace_b1(leg: Leg, tension: float, layers: int = 2, rule: str = "girth") -> tuple[
+        float, float, Disc]:
+    """Mean pressure (mmHg) and mean curvature (1/mm, hollows as 0) over the sensor, and it.
+
+    Raises SolverError for a leg without B1, or hollow under the whole sensor.
+    """
+    disc = sensor(leg, rule)
+    theta, z, weights = disc.points(leg)
+    curvature = leg.curvature(theta, z)
+    mean = float(weights @ np.maximum(curvature, 0.0))
+    if not mean > 0:
+        raise SolverError(f"the skin is hollow under the whole sensor at B1 (z = {disc.z:.0f} "
+                          "mm): Laplace's law has no radius of curvature there")
+    return float(weights @ laplace_pressure(tension, curvature, layers)), mean, disc
+
+
 class Laplace:
     """Pressure at B1 by Laplace's law on a leg of the shape basis.
 
     layers   layers of bandage over B1; 2 is a spiral with 50 % overlap
     b1_rule  "girth" (sturdy) or "profile" (the paper's); see leg_bandage/landmarks.py
+    cohort   a file of `leg-bandage build-cohort`: length and alphas are then those of these
+             legs; relative to the study file, from Python to the current folder
     """
 
     version = "1"
-    inputs: Mapping[str, Input] = {
-        "mu_skin": Input(
-            nominal=0.2, range=(0.0, 1.0),
-            description="friction between skin and bandage; Laplace's law has none, so it has "
-                        "no effect here, and is an input because a study varies it",
-            source="Chassagne et al. 2018, Table II: 0.10..0.30"),
-        "tension": TENSION,
-        **SHAPE,
-    }
     outputs: Mapping[str, Output] = {
         "pressure_b1": Output(
             unit="mmHg",
@@ -63,32 +79,29 @@ class Laplace:
                         "by anterior (90) to medial (180) and posterior (270)"),
     }
 
-    def __init__(self, layers: int = 2, b1_rule: str = "girth"):
+    def __init__(self, layers: int = 2, b1_rule: str = "girth", cohort: str | None = None,
+                 folder: Path | None = None):
         if b1_rule not in RULES:
             raise StudyError(f"b1_rule: {b1_rule!r} is unknown: {nearest(b1_rule, RULES)}")
         if not 1 <= layers <= 10:
             raise StudyError(f"layers: {layers} is not a number of layers; use 1 to 10")
-        self.layers = layers
-        self.b1_rule = b1_rule
+        shapes = shapes_in(cohort, folder)
+        self.layers, self.b1_rule, self.basis = layers, b1_rule, shapes.basis
+        self.inputs: Mapping[str, Input] = {"mu_skin": MU_SKIN, "tension": TENSION, **shapes.inputs}
+        self.identity_options = {"layers": layers, "b1_rule": b1_rule, "cohort": shapes.identity}
 
     def __call__(self, mu_skin: float, tension: float, leg_length: float, alpha1: float,
                  alpha2: float, alpha3: float, alpha4: float) -> dict[str, float | np.ndarray]:
         alphas = (alpha1, alpha2, alpha3, alpha4)
         check_ranges(self.inputs, dict(zip(self.inputs, (mu_skin, tension, leg_length, *alphas),
                                            strict=True)))
-        leg = Leg.from_alphas(leg_length, alphas)
+        leg = Leg.from_alphas(leg_length, alphas, self.basis)
         check_leg(leg)
-        disc = sensor(leg, self.b1_rule)
-        theta, z, weights = disc.points(leg)
-        curvature = leg.curvature(theta, z)
+        pressure, curvature, disc = laplace_b1(leg, tension, self.layers, self.b1_rule)
         around = leg.curvature(np.radians(ANGLES), disc.z)
-        mean = weights @ np.maximum(curvature, 0.0)
-        if not mean > 0:
-            raise SolverError(f"the skin is hollow under the whole sensor at B1 (z = {disc.z:.0f} "
-                              "mm): Laplace's law has no radius of curvature there")
         return {
-            "pressure_b1": float(weights @ laplace_pressure(tension, curvature, self.layers)),
-            "curvature_radius": float(1 / mean),
+            "pressure_b1": pressure,
+            "curvature_radius": 1 / curvature,
             "b1_height": disc.z,
             "pressure_around_b1": laplace_pressure(tension, around, self.layers),
         }

@@ -7,6 +7,7 @@ Axes: z up from the ankle, x lateral (right leg), y anterior; millimetres.
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -40,6 +41,11 @@ class Cohort:
     def snapshots(self) -> np.ndarray:
         """Columns U / L, shape (1300, leg): 13 numbers a section, leg size taken out."""
         return snapshot(self.coefficients, self.centre, self.length).T
+
+    @property
+    def identity(self) -> str:
+        """Digest of the shapes: the same for the same legs, whatever file they are in."""
+        return hashlib.sha256(self.snapshots().tobytes() + self.length.tobytes()).hexdigest()
 
 
 def snapshot(coefficients: np.ndarray, centre: np.ndarray, length) -> np.ndarray:

@@ -8,7 +8,6 @@ of the user's own in a file that `leg-bandage build-cohort` wrote.
 
 from __future__ import annotations
 
-import hashlib
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -36,7 +35,7 @@ class Shapes:
 
     basis     of MODES modes
     inputs    leg_length and alpha1..alpha4
-    identity  digest of the legs it was learnt from; None for those that ship
+    identity  of the legs it was learnt from; None for those that ship
     """
 
     basis: Basis
@@ -58,8 +57,8 @@ def shapes_in(cohort: str | None, folder: Path | None = None) -> Shapes:
         raise StudyError(f"cohort: {cohort} holds {len(legs)} legs; {MODES} modes need at least "
                          f"{MODES + 1}")
     basis = fit_basis(legs.snapshots(), MODES)
-    identity = hashlib.sha256(legs.snapshots().tobytes() + legs.length.tobytes()).hexdigest()
-    return Shapes(basis, _shape_inputs(basis, legs, f"legs in {Path(cohort).name}"), identity)
+    return Shapes(basis, _shape_inputs(basis, legs, f"legs in {Path(cohort).name}"),
+                  legs.identity)
 
 
 def legs_in(option: str, name: str, folder: Path | None = None) -> Cohort:

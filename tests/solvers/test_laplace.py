@@ -8,7 +8,7 @@ from solvers.leg_bandage.landmarks import sensor
 from solvers.leg_bandage.leg import Leg
 from surrogate.errors import SolverError, StudyError
 
-NOMINAL = {name: given.nominal for name, given in Laplace.inputs.items()}
+NOMINAL = {name: given.nominal for name, given in Laplace().inputs.items()}
 
 
 @pytest.fixture(scope="module")

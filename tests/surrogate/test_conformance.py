@@ -24,7 +24,7 @@ SOLVER_OPTIONS = {"command": {
     "inputs": {"x": {"unit": "mm", "nominal": 1.0, "range": [-2, 2]}},
     "outputs": {"y": {"unit": "mm^2", "regex": r"y = (\S+)"}}}}
 #: Solvers whose runs are too long for every test run; their own tests run them.
-SLOW = {"leg_bandage"}
+SLOW = {"leg_bandage", "leg_bandage_patient"}
 DESIGN_OPTIONS = {"fractional_factorial": {"resolution": 3}}
 
 
