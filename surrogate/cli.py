@@ -55,12 +55,17 @@ def check(study: StudyFile, results_dir: Results = None, as_json: AsJson = False
 def run(study: StudyFile, results_dir: Results = None, as_json: AsJson = False,
         workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
         retry_failed: Annotated[bool, typer.Option(
-            "--retry-failed", help="Do failed and timed-out runs again.")] = False) -> None:
+            "--retry-failed", help="Do failed and timed-out runs again.")] = False,
+        fresh: Annotated[bool, typer.Option(
+            "--fresh", help="Do every run again, taking nothing over.")] = False) -> None:
     """Go the whole way to the report, doing only what is missing. Ctrl-C is safe."""
     loaded = Study.from_yaml(study)
+    for sentence in () if fresh else loaded.unused:
+        print(sentence, file=sys.stderr)
     with RunsBar(loaded.name) as bar:
         outcome = results.complete(loaded, results.folder_of(loaded, results_dir),
-                                   workers=workers, retry_failed=retry_failed, progress=bar)
+                                   workers=workers, retry_failed=retry_failed, fresh=fresh,
+                                   progress=bar)
     _finish(loaded, outcome, as_json)
 
 
@@ -92,6 +97,15 @@ def predict(study: StudyFile,
     loaded = Study.from_yaml(study)
     _show(terminal.predict(loaded, results.folder_of(loaded, results_dir), surrogate,
                            at or [], points), as_json)
+
+
+@app.command()
+def store(study: StudyFile, results_dir: Results = None, as_json: AsJson = False,
+          to: Annotated[Path | None, typer.Option(
+              metavar="FILE", help="Default: runs/<study>.nc beside the study.")] = None) -> None:
+    """Write the finished runs into a small file that ships with the study."""
+    loaded = Study.from_yaml(study)
+    _show(terminal.store(loaded, results.folder_of(loaded, results_dir), to), as_json)
 
 
 @app.command("list")

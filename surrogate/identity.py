@@ -116,8 +116,13 @@ def _value(name: str, one: Input, value: Any) -> float | str:
 
 def keys(recipe: Recipe, calls: Iterable[Call]) -> list[str]:
     """Identity of each run, 32 hexadecimal digits; equal for equal runs."""
-    start = hashlib.sha256(recipe.context.encode())
-    repeated, deterministic = Counter(), recipe.deterministic
+    return keys_in(recipe.context, calls, recipe.deterministic)
+
+
+def keys_in(context: str, calls: Iterable[Call], deterministic: bool) -> list[str]:
+    """Identity of each run of the solver that `context` describes (`Recipe.context`)."""
+    start = hashlib.sha256(context.encode())
+    repeated = Counter()
     result = []
     for call in calls:
         text = json.dumps(call, sort_keys=True)

@@ -62,6 +62,10 @@ class Record:
         """True for a good run in which all outputs called `names` were kept."""
         return self.status == "ok" and all(n in self.outputs or n in self.fields for n in names)
 
+    def answers(self, names) -> bool:
+        """True when it `holds` the outputs, or says that the point has no answer."""
+        return self.status != "ok" or self.holds(names)
+
 
 @dataclass(frozen=True)
 class Contents:

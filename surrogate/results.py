@@ -25,6 +25,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate import runs as rundata
+from surrogate import stored as storing
 from surrogate.errors import FitError, ResultsError
 from surrogate.execution import Progress
 from surrogate.files import write_text
@@ -61,15 +62,15 @@ def folder_of(study: Study, results: Path | None) -> Path:
 
 
 def complete(study: Study, folder: Path, *, workers: int | None = None,
-             retry_failed: bool = False,
+             retry_failed: bool = False, fresh: bool = False,
              progress: Callable[[Progress], None] | None = None) -> Outcome:
-    """Do the missing runs, then everything that follows from them.
+    """Do the missing runs (`fresh`: all of them again), then everything that follows from them.
 
     Raises KeyboardInterrupt when stopped; all finished runs are kept.
     """
     try:
         runs = study.run(workers=workers, results=folder, retry_failed=retry_failed,
-                         progress=progress)
+                         fresh=fresh, progress=progress)
     except KeyboardInterrupt:
         rundata.save(study.stored(folder), folder / RUNS)
         raise
@@ -80,8 +81,8 @@ def analyse(study: Study, folder: Path, runs: xr.Dataset | None = None, *,
             again: bool = False) -> Outcome:
     """Everything that follows from the runs: fits, tables, indices, decision, report.
 
-    runs: default, what the journal holds. Nothing is done when all files are up to date,
-    unless `again`. Raises `ResultsError` when nothing was run.
+    runs: default, what the journal and stored files hold. Nothing is done when all files are
+    up to date, unless `again`. Raises `ResultsError` when nothing was run.
     """
     runs = study.stored(folder) if runs is None else runs
     if (runs["status"] == "missing").all():
@@ -91,6 +92,18 @@ def analyse(study: Study, folder: Path, runs: xr.Dataset | None = None, *,
     if not again and known.get("stamp") == stamp and (folder / REPORT).exists():
         return Outcome(folder, known, _trouble(runs, known["not_done"]), fresh=False)
     return _write(study, folder, runs, stamp)
+
+
+def store(study: Study, folder: Path, to: Path | None = None) -> tuple[Path, xr.Dataset]:
+    """Write the finished runs into a file that ships with the study; returns it and all runs.
+
+    to: default runs/<study>.nc beside the study file. Raises `ResultsError` when no run is
+    finished.
+    """
+    runs = study.stored(folder)
+    path = to or study.place / "runs" / f"{study.name}.nc"
+    storing.write(runs, path)
+    return path, runs
 
 
 def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
@@ -113,6 +126,7 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
     study.report(runs, fits, table, indices, screening=screening,
                  reduced=reduced, not_done=not_done).save(folder / REPORT)
     summary = {"study": study.name, "stamp": stamp, "runs": rundata.counts(runs),
+               "stored": rundata.described(runs, "stored"),
                "comparison": _figures(table), "sensitivity": _figures(indices),
                "regression": {name: {output: _figures(one) for output, one in by.items()}
                               for name, by in regressions.items()},

@@ -22,7 +22,7 @@ import xarray as xr
 
 from surrogate.errors import ResultsError, StudyError, nearest
 from surrogate.files import replacing
-from surrogate.identity import Recipe, calls, canonical, keys
+from surrogate.identity import Call, Recipe, calls, canonical, keys
 from surrogate.journal import Contents, Record
 from surrogate.solver import Output
 from surrogate.space import Space
@@ -92,10 +92,10 @@ def assemble(space: Space, designs: Designs, recipe: Recipe, journal: Contents, 
     if mistakes:
         raise StudyError(*mistakes)
     physical = columns(space, designs)
-    records = [journal.records.get(key)
-               for key in keys(recipe, calls(recipe, physical, constants))]
-    records = [record if record and (record.status != "ok" or record.holds(wanted)) else None
-               for record in records]
+    asked = calls(recipe, physical, constants)
+    fixed = {name: value for name, value in asked[0].items() if name not in physical}
+    records = [journal.records.get(key) for key in keys(recipe, asked)]
+    records = [record if record and record.answers(wanted) else None for record in records]
     return xr.Dataset(
         {"coded": (("run", "parameter"), np.concatenate([np.atleast_2d(c) for c in
                                                          designs.values()]),
@@ -103,7 +103,7 @@ def assemble(space: Space, designs: Designs, recipe: Recipe, journal: Contents, 
          **_parameters(space, physical), **_outputs(wanted, records, journal),
          **_history(designs, records)},
         coords={"parameter": list(space.names), **_coordinates(wanted)},
-        attrs=_provenance(recipe, constants, study, seeds))
+        attrs=_provenance(recipe, constants, fixed, study, seeds))
 
 
 def _parameters(space: Space, physical: Mapping[str, np.ndarray]) -> dict[str, tuple]:
@@ -155,10 +155,11 @@ def _history(designs: Designs, records: list[Record | None]) -> dict[str, tuple]
     }
 
 
-def _provenance(recipe: Recipe, constants, study: str, seeds) -> dict[str, str]:
+def _provenance(recipe: Recipe, constants, fixed, study: str, seeds) -> dict[str, str]:
     """Who made it, when, with which versions; mappings as JSON text."""
     return {"study": study, "solver": recipe.name, "solver_version": str(recipe.solver.version),
             "solver_options": canonical(recipe.options), "constants": canonical(constants or {}),
+            "identity": recipe.context, "fixed_inputs": canonical(fixed),
             "seeds": canonical(seeds or {}), "versions": canonical(versions()),
             "deterministic": str(recipe.deterministic).lower(),
             "created": datetime.now(UTC).isoformat(timespec="seconds")}
@@ -218,14 +219,30 @@ def training(runs: xr.Dataset, output: str,
 
     Runs in which the output has a gap are left out.
     """
-    known = [name for name in runs if name not in RESERVED_NAMES
-             and name not in runs["parameter"].values]
+    known = output_names(runs)
     if output not in known:
         raise ResultsError(f"there is no output '{output}'; {nearest(output, known)}")
     good = select(runs, designs=designs, statuses=["ok"])
     values = good[output].values
     known = np.isfinite(values).reshape(len(values), -1).all(axis=1)
     return good["coded"].values[known], values[known]
+
+
+def output_names(runs: xr.Dataset) -> list[str]:
+    """Names of the solver's outputs in a runs dataset."""
+    return [str(name) for name in runs.data_vars if name not in RESERVED_NAMES
+            and name not in runs["parameter"].values]
+
+
+def call_and_answer(runs: xr.Dataset, run: int) -> tuple[Call, dict[str, np.ndarray]]:
+    """What the solver was called with in row `run`, and what it answered, in its own units.
+
+    `study.recipe.solver(**call)` must give the answer again, to rounding.
+    """
+    row = runs.isel(run=run)
+    call = {**described(runs, "fixed_inputs"),
+            **{name: row[name].item() for name in runs["parameter"].values.tolist()}}
+    return call, {name: row[name].values for name in output_names(runs)}
 
 
 def counts(runs: xr.Dataset) -> dict[str, int]:

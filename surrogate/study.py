@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,13 @@ import xarray as xr
 from surrogate import comparison as comparing
 from surrogate import fitting, reading, studyfile
 from surrogate import runs as rundata
+from surrogate import stored as storing
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
 from surrogate.errors import FitError, StudyError
-from surrogate.execution import Progress, cores, execute
+from surrogate.execution import Progress, cores, execute, execute_fresh
 from surrogate.fitting import Fit
-from surrogate.identity import Recipe
+from surrogate.identity import Call, Recipe, calls, canonical, keys
 from surrogate.journal import read as read_journal
 from surrogate.plugins import parameters_of
 from surrogate.reading import Reading, SensitivityMethod, Surrogate
@@ -28,6 +30,7 @@ from surrogate.sensitivity.screening import Screening, decide
 from surrogate.sensitivity.table import combine
 from surrogate.source import Source, read_file, read_text, write_yaml
 from surrogate.space import Space
+from surrogate.stored import Given, Known, StoredRuns
 from surrogate.studyfile import ExecutionPart, ScreeningPart
 
 Fits = Mapping[str, Mapping[str, Fit]]
@@ -52,6 +55,7 @@ class Study:
     sensitivity_method: SensitivityMethod | None
     screening_rule: ScreeningPart | None
     execution: ExecutionPart
+    stored_runs: tuple[StoredRuns, ...]
     source: Source = field(repr=False, compare=False)
 
     @classmethod
@@ -77,6 +81,11 @@ class Study:
     def folder(self) -> Path:
         """Where its results go unless the caller says otherwise."""
         return Path("results") / self.name
+
+    @property
+    def place(self) -> Path:
+        """Where the study file lies; the current folder for a study without a file."""
+        return Path(self.source.name).parent
 
     @property
     def workers(self) -> int:
@@ -110,29 +119,59 @@ class Study:
         """Where finished runs are written down."""
         return (results or self.folder) / "journal"
 
+    @cached_property
+    def _calls(self) -> list[Call]:
+        """What the solver is called with, for each row of the runs dataset."""
+        return calls(self.recipe, rundata.columns(self.space, self.points), self.constants)
+
+    @cached_property
+    def _given(self) -> Given:
+        """The runs that the study's stored files hold."""
+        return self._matching(self.stored_runs)
+
+    def _matching(self, files: Iterable[StoredRuns]) -> Given:
+        return storing.match(files, self.recipe, self._calls, keys(self.recipe, self._calls),
+                             self.outputs)
+
     def stored(self, results: Path | None = None) -> xr.Dataset:
-        """The runs dataset as far as the journal goes; runs not done yet are 'missing'."""
-        return rundata.assemble(
-            self.space, self.points, self.recipe, read_journal(self.journal(results)),
+        """The runs dataset as far as the journal and the stored files go; the rest is 'missing'.
+
+        Its attribute `stored` tells how many runs came from which stored file.
+        """
+        known = Known(read_journal(self.journal(results)), self._given, self.outputs)
+        runs = rundata.assemble(
+            self.space, self.points, self.recipe, known,
             constants=self.constants, outputs=self.outputs, study=self.text,
             seeds={name: design.options["seed"] for name, design in self.designs.items()
                    if "seed" in design.options})
+        return runs.assign_attrs(stored=canonical(known.origins(keys(self.recipe, self._calls))))
+
+    @property
+    def unused(self) -> list[str]:
+        """A sentence for each stored file that holds no run of this study: what differs first."""
+        return [self.source.sentence(
+            ("stored", index), f"no run in '{file.name}' is one of this study's: "
+            + storing.first_difference(file, self.recipe, self._calls, self.outputs))
+            for index, file in enumerate(self.stored_runs) if not self._matching([file]).records]
 
     def run(self, *, workers: int | None = None, results: Path | None = None,
-            executor: Executor | None = None, retry_failed: bool = False,
+            executor: Executor | None = None, retry_failed: bool = False, fresh: bool = False,
             progress: Callable[[Progress], None] | None = None) -> xr.Dataset:
-        """Do the runs that the journal does not have; returns the runs dataset.
+        """Do the runs that neither the journal nor a stored file has; returns the runs dataset.
 
         Runs of other studies in the same results folder are taken over where they are the
         same. executor: any concurrent.futures executor in place of local processes.
-        retry_failed: do failed and timed-out runs again.
+        retry_failed: do failed and timed-out runs again. fresh: do every run again and take
+        nothing over; old records count until all is done, and an interrupted call is resumed
+        by repeating it.
         """
-        execute(self.recipe, rundata.columns(self.space, self.points),
-                journal=self.journal(results), others=self._neighbours(results),
-                constants=self.constants, outputs=self.outputs,
-                workers=workers or self.execution.workers, timeout=self.execution.timeout,
-                retries=self.execution.retries, executor=executor, progress=progress,
-                rerun=("failed", "timed_out") if retry_failed else ())
+        known = {} if fresh else {"others": self._neighbours(results), "given": self._given}
+        carry_out = execute_fresh if fresh else execute
+        carry_out(self.recipe, rundata.columns(self.space, self.points),
+                  journal=self.journal(results), constants=self.constants, outputs=self.outputs,
+                  workers=workers or self.execution.workers, timeout=self.execution.timeout,
+                  retries=self.execution.retries, executor=executor, progress=progress,
+                  rerun=("failed", "timed_out") if retry_failed else (), **known)
         return self.stored(results)
 
     def _neighbours(self, results: Path | None) -> list[Path]:
@@ -199,7 +238,7 @@ class Study:
             return None
         return combine([
             method.function(fit, self.space, confidence=method.confidence,
-                            **{**self._given(method, table, fit), **method.options})
+                            **{**self._told(method, table, fit), **method.options})
             for fit in self._analysed(fits, table).values()])
 
     def _analysed(self, fits: Fits, table: xr.Dataset) -> dict[str, Fit]:
@@ -208,7 +247,7 @@ class Study:
         names = self.best(table) if wanted == "best" else dict.fromkeys(fits[wanted], wanted)
         return {output: fits[name][output] for output, name in names.items()}
 
-    def _given(self, method: SensitivityMethod, table: xr.Dataset, fit: Fit) -> dict[str, Any]:
+    def _told(self, method: SensitivityMethod, table: xr.Dataset, fit: Fit) -> dict[str, Any]:
         """What a sensitivity method is told besides its options, if it asks for it."""
         row = table.sel(surrogate=fit.surrogate, output=fit.output)
         q2 = float(row["q2_test"] if np.isfinite(row["q2_test"]) else row["q2_cv"])
@@ -257,7 +296,8 @@ def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
     designs = reading.designs_of(notes, space)
     surrogates = reading.surrogates_of(notes, designs, space)
     sensitivity = reading.sensitivity_of(notes, space)
+    stored_runs = reading.stored_of(notes)
     if notes.mistakes:
         raise StudyError(*reading.sentences(source, notes.mistakes))
     return cls(part.study, part.about.strip(), recipe, space, constants, outputs, designs,
-               surrogates, sensitivity, part.screening, part.execution, source)
+               surrogates, sensitivity, part.screening, part.execution, stored_runs, source)

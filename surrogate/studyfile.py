@@ -37,6 +37,15 @@ Duration = Annotated[float | None, BeforeValidator(_seconds, json_schema_input_t
                      Field(gt=0)]
 
 
+def _listed(value: Any) -> Any:
+    return (value,) if isinstance(value, str) else value
+
+
+#: One text, or a list of them.
+Texts = Annotated[tuple[str, ...], BeforeValidator(
+    _listed, json_schema_input_type=str | tuple[str, ...])]
+
+
 class Part(BaseModel):
     """A mapping of a study file that takes only the keys it names."""
 
@@ -161,6 +170,8 @@ class StudyPart(Part):
     sensitivity: SensitivityPart | None = None
     screening: ScreeningPart | None = None
     execution: ExecutionPart = ExecutionPart()
+    stored: Texts = Field((), description="Files of runs that ship with the study "
+                          "(`surrogate store`), relative to the study file.")
 
 
 Path = tuple[str | int, ...]

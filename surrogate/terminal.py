@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,8 +15,10 @@ from rich.table import Table
 
 from surrogate import plugins, prediction
 from surrogate import runs as rundata
+from surrogate.execution import interrupted
 from surrogate.progress import duration
 from surrogate.results import Outcome
+from surrogate.results import store as store_runs
 from surrogate.study import Study
 
 
@@ -61,7 +64,7 @@ def check(study: Study, results: Path) -> Page:
     parts += [table("designs", ("name", "method", "runs", "of these added"), designs), ""]
     for name, alias in aliases.items():
         parts.append(f"aliasing of {name}: {alias}\n")
-    parts += [_surrogate_line(study), _runs_line(study, stored, counts)]
+    parts += [_surrogate_line(study), _runs_line(study, stored, counts), *study.unused]
     data = {"study": study.name, "solver": study.recipe.name,
             "parameters": [dict(zip(("name", "unit", "values"), row, strict=True))
                            for row in parameters],
@@ -71,7 +74,9 @@ def check(study: Study, results: Path) -> Page:
             "aliasing": {name: {"resolution": a.resolution,
                                 "word_length_pattern": a.word_length_pattern,
                                 "table": a.table} for name, a in aliases.items()},
-            "runs": counts, "seconds_left": rundata.seconds_left(stored, study.workers)}
+            "runs": counts, "stored": rundata.described(stored, "stored"),
+            "unused": study.unused,
+            "seconds_left": rundata.seconds_left(stored, study.workers)}
     return Page(data, parts)
 
 
@@ -83,12 +88,14 @@ def _surrogate_line(study: Study) -> str:
 
 def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int]) -> str:
     total, left = stored.sizes["run"], counts["missing"]
+    files = rundata.described(stored, "stored")
+    from_files = f" ({', '.join(f'{n} in {name}' for name, n in files.items())})" * bool(files)
     if not left:
-        return f"runs: all {total} are stored; nothing is left to run"
+        return f"runs: all {total} are stored{from_files}; nothing is left to run"
     seconds = rundata.seconds_left(stored, study.workers)
     time = "time unknown until the first run is done" if seconds is None else \
         f"about {duration(seconds)} with {study.workers} workers"
-    return f"runs: {total}, of which {total - left} are stored; {left} to do: {time}"
+    return f"runs: {total}, of which {total - left} are stored{from_files}; {left} to do: {time}"
 
 
 def status(study: Study, results: Path) -> Page:
@@ -105,10 +112,32 @@ def status(study: Study, results: Path) -> Page:
     parts += [f"  {reason}" for reason in list(reasons)[:10]]
     if len(reasons) > 10:
         parts.append(f"  and {len(reasons) - 10} more; the report lists all")
-    if counts["missing"]:
+    files = rundata.described(stored, "stored")
+    if counts["missing"] or files:
         parts.append(_runs_line(study, stored, counts))
-    return Page({"study": study.name, "runs": counts,
+    waiting = interrupted(study.journal(results))
+    if waiting:
+        parts.append(f"a recomputation was interrupted after {waiting} runs; "
+                     "`surrogate run --fresh` goes on with it")
+    parts += study.unused
+    return Page({"study": study.name, "runs": counts, "stored": files, "unused": study.unused,
+                 "fresh": waiting,
                  "seconds_left": rundata.seconds_left(stored, study.workers)}, parts)
+
+
+def store(study: Study, results: Path, to: Path | None) -> Page:
+    """Where the stored runs are, and the line that the study needs."""
+    path, runs = store_runs(study, results, to)
+    counts = rundata.counts(runs)
+    done = runs.sizes["run"] - counts["missing"]
+    parts = [f"{path} holds {done} runs ({path.stat().st_size / 1e3:.0f} kB)"]
+    if counts["missing"]:
+        parts.append(f"{counts['missing']} runs of the study are not done yet and not in it")
+    name = Path(os.path.relpath(path, study.place)).as_posix()
+    named = name in (file.name for file in study.stored_runs)
+    parts.append("the study names it already" if named else f"add to the study:\n\nstored: {name}")
+    return Page({"file": str(path), "runs": done, "missing": counts["missing"],
+                 "stored": name}, parts)
 
 
 def outcome(study: Study, done: Outcome) -> Page:

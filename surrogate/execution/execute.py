@@ -24,6 +24,7 @@ from surrogate.execution.executors import Elsewhere
 from surrogate.execution.pool import Event, Pool, Task
 from surrogate.identity import Recipe, calls, keys
 from surrogate.journal import Journal, Record, read
+from surrogate.stored import Given, Known
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,8 @@ def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
             constants: Mapping[str, Any] | None = None, outputs: Iterable[str] | None = None,
             workers: int | None = None, threads: int | None = None,
             timeout: float | None = None, retries: int = 0, rerun: Iterable[str] = (),
-            others: Iterable[str | Path] = (), executor: Executor | None = None,
+            others: Iterable[str | Path] = (), given: Given | None = None,
+            executor: Executor | None = None,
             progress: Callable[[Progress], None] | None = None) -> Progress:
     """Run the solver at each row of `columns` that the journal does not have; return the tally.
 
@@ -66,6 +68,7 @@ def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
     rerun      statuses of earlier runs to do again: "failed", "timed_out". Runs that timed
                out under a shorter limit than today's are done again in any case
     others     folders of other studies' journals; their good runs are copied, not repeated
+    given      stored runs: neither repeated nor copied
     executor   any concurrent.futures executor. It cannot kill a run: one over time is given
                up and its place in the executor stays taken
     progress   called with a `Progress` at the start and after each run
@@ -75,18 +78,19 @@ def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
     arguments; `PluginError` when workers cannot build the solver.
     """
     _check(workers, threads, timeout, retries, rerun)
-    wanted = recipe.wanted(outputs)
+    wanted, given = recipe.wanted(outputs), given or Given()
     asked = calls(recipe, columns, constants)
     runs = dict(zip(keys(recipe, asked), asked, strict=True))
     with Journal(journal) as book:
-        missing = [key for key in runs
-                   if not _settled(book.records.get(key), wanted, timeout, rerun)]
+        known = Known(book.contents, given, wanted).records
+        missing = [key for key in runs if not _settled(known.get(key), wanted, timeout, rerun)]
         missing = _adopt(book, missing, wanted, others)
         queue = deque(Task(key, runs[key]) for key in missing)
         workers = min(workers or cores(), max(1, len(queue)))
         threads = threads or max(1, cores() // workers)
         tally = _Tally(Progress(len(runs)), workers, progress or (lambda _: None))
-        tally.start([book.records[key] for key in runs.keys() - set(missing)])
+        known = Known(book.contents, given, wanted).records
+        tally.start([known[key] for key in runs.keys() - set(missing)])
         if queue:
             with _stop_on_signals() as stopping:
                 place = (Pool(recipe, wanted, workers, threads, timeout) if executor is None else
@@ -123,10 +127,10 @@ def _check(workers, threads, timeout, retries, rerun) -> None:
 def _settled(record: Record | None, wanted: Iterable[str], timeout: float | None,
              rerun: Iterable[str]) -> bool:
     """True when a run need not be done (again)."""
-    if record is None:
+    if record is None or not record.answers(wanted):
         return False
     if record.status == "ok":
-        return record.holds(wanted)
+        return True
     if record.status == "timed_out" and record.limit is not None:
         if timeout is None or timeout > record.limit:
             return False

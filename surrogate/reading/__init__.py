@@ -8,7 +8,9 @@ from surrogate.reading.methods import (
     surrogates_of,
 )
 from surrogate.reading.notes import Reading, sentences
+from surrogate.reading.runs import stored_of
 from surrogate.reading.solver import constants_of, outputs_of, solver_of, space_of
 
 __all__ = ["Reading", "SensitivityMethod", "Surrogate", "constants_of", "designs_of",
-           "outputs_of", "sensitivity_of", "sentences", "solver_of", "space_of", "surrogates_of"]
+           "outputs_of", "sensitivity_of", "sentences", "solver_of", "space_of", "stored_of",
+           "surrogates_of"]

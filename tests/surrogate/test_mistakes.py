@@ -69,6 +69,11 @@ MISTAKES = {
     "share above one": ("freeze_below: 0.02", "freeze_below: 2", "16:27", "below 1"),
     "duration": ("30 min", "30 mns", "17:34", "write '30 s'"),
     "no worker": ("workers: 2", "workers: 0", "17:22", "at least 1"),
+    "stored and not there": ("outputs:", "stored: runs/demo.nc\noutputs:", "8:9",
+                             "runs/demo.nc does not exist; `surrogate store` writes"),
+    "one of the stored": ("outputs:", "stored: [runs/demo.nc]\noutputs:", "8:10",
+                          "does not exist"),
+    "stored is no file": ("outputs:", "stored: 3\noutputs:", "8:9", "must be a list"),
     "doubled key": ("outputs:", "designs:", "9:1", "stands twice"),
     "tab": ("  rw:", "\trw:", "4:1", "not YAML"),
 }

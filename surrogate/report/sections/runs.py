@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from textwrap import shorten
 
 import numpy as np
@@ -32,6 +33,9 @@ def _count(content: Content) -> str:
                               (np.ones_like(content.ok), content.failed, content.missing))
     said = [f"{failed} failed"] * bool(failed) + [f"{missing} not made yet"] * bool(missing)
     words = f"{digits.quantity(count, 'run')}, {digits.listing(said) or 'all finished'}."
+    for name, stored in json.loads(content.runs.attrs.get("stored", "{}")).items():
+        words += (f" {stored} of them {'was' if stored == 1 else 'were'} not run here but taken "
+                  f"from {name}.")
     if np.isfinite(content.seconds).any():
         spent, middle = np.nansum(content.seconds), np.nanmedian(content.seconds)
         words += (f" They took {digits.duration(spent)} of solver time, {digits.duration(middle)} "

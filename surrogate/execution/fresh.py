@@ -1,0 +1,42 @@
+"""Everything again: runs that take nothing over, and destroy nothing before they are done."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from surrogate.execution.execute import Progress, execute
+from surrogate.identity import Recipe
+from surrogate.journal import Journal, read
+
+
+def execute_fresh(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
+                  **options: Any) -> Progress:
+    """As `execute`, at every row; new records follow the old ones when all are done.
+
+    Until then they stand in a journal of their own beside `journal`, which is held
+    meanwhile. So an interrupted call is resumed by repeating it, and one that is given up
+    has changed nothing. Of a key that stands twice in a journal the last record counts.
+    """
+    aside = _aside(journal)
+    with Journal(journal) as book:
+        try:
+            tally = execute(recipe, columns, journal=aside, **options)
+        except KeyboardInterrupt as stop:
+            raise KeyboardInterrupt(*(f"{why}, with --fresh" for why in stop.args)) from None
+        done = read(aside)
+        for record in done.records.values():
+            book.adopt(record, done)
+    shutil.rmtree(aside)
+    return tally
+
+
+def interrupted(journal: str | Path) -> int:
+    """Number of new runs that wait for an interrupted `execute_fresh` to be resumed."""
+    return len(read(_aside(journal)).records)
+
+
+def _aside(journal: str | Path) -> Path:
+    return Path(journal).with_name(f"{Path(journal).name}_fresh")

@@ -1,0 +1,18 @@
+"""From the words of a study to the runs that ship with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from surrogate import stored
+from surrogate.reading.notes import Reading
+from surrogate.stored import StoredRuns
+
+
+def stored_of(reading: Reading) -> tuple[StoredRuns, ...]:
+    """The files under `stored:`, read whole."""
+    found = []
+    for index, name in enumerate(reading.part.stored):
+        with reading.noting("stored", index):
+            found.append(stored.load((reading.folder or Path()) / name, name))
+    return tuple(found)
