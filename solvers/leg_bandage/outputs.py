@@ -56,14 +56,13 @@ OUTPUTS: Mapping[str, Output] = {
     "turns": Output(description="turns of the bandage around the leg"),
     "steps": Output(description="load steps taken"),
     "iterations": Output(description="Newton iterations taken, those of steps undone included"),
-    "seconds": Output(unit="s", description="wall time of the run"),
     "residual": Output(unit="MPa", description="traction that still moved the bandage at rest"),
 }
 
 
 def answers(leg: Leg, model: Model, u: np.ndarray, rule: str,
             around: float = 0.0, up: float = 0.0) -> dict[str, float | np.ndarray]:
-    """The outputs of a solved model but `seconds`; leg is the undeformed one.
+    """The outputs of a solved model; leg is the undeformed one.
 
     rule       for B1, where the sensor lies
     around, up how far from there its centre is, mm along the skin

@@ -25,7 +25,7 @@ from solvers.leg_bandage.plugin import LegBandage
 from surrogate.solver import Input, Output
 
 SOLVED = ("pressure_b1", "pressure_field", "b1_height", "stretch_midline", "slip_max", "layers_b1",
-          "iterations", "seconds")
+          "iterations")
 """Outputs of the contact model that are passed on."""
 
 TOLD: Mapping[str, Output] = {

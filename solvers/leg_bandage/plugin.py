@@ -35,12 +35,20 @@ WRINKLED = 0.05
 
 @dataclass(frozen=True)
 class Result:
-    """A solved run: the model, its displacements (ndof,), the undeformed leg and the outputs."""
+    """A solved run.
+
+    leg      undeformed
+    model    the boundary value problem
+    u        (ndof,) its displacements at rest
+    values   the outputs
+    seconds  that it took
+    """
 
     leg: Leg
     model: Model
     u: np.ndarray
     values: dict[str, float | np.ndarray]
+    seconds: float
 
 
 class LegBandage:
@@ -109,8 +117,7 @@ class LegBandage:
             thickness=q["thickness"], start_height=q["start_height"])
         model, u = self._solve(leg, wrap, self._material(q), q["wrapping"])
         values = answers(leg, model, u, self.b1_rule, q["sensor_around"], q["sensor_up"])
-        values["seconds"] = time.perf_counter() - start
-        return Result(leg, model, u, values)
+        return Result(leg, model, u, values, time.perf_counter() - start)
 
     def _solve(self, leg: Leg, wrap: Wrap, material: Material, wrapping: str) -> tuple[
             Model, np.ndarray]:

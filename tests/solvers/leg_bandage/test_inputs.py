@@ -13,6 +13,7 @@ from solvers.leg_bandage.leg import Leg
 from solvers.leg_bandage.outputs import _circle, imprint, on_disc
 from solvers.leg_bandage.parameters import INPUTS, shapes_in
 from solvers.leg_bandage.plugin import LegBandage
+from surrogate import Study
 from surrogate.conformance import check_solver
 from surrogate.errors import SolverError, StudyError
 from surrogate.identity import Recipe, keys
@@ -172,3 +173,13 @@ def test_identity_of_runs(tmp_path):
     assert len({*same, *others}) == 1 + len(others)
     tension = LegBandage(fabric="biflex_16").inputs["tension"].nominal
     assert _key(fabric="biflex_16") == _key({"tension": tension})
+
+
+@pytest.mark.parametrize("name", ["leg_bandage", "leg_bandage_patient"])
+def test_a_study_may_ask_for_all_outputs(name):
+    """No output has a name that the runs dataset needs for itself."""
+    parameter = {"leg_bandage": {"overlap": [0.45, 0.55]},
+                 "leg_bandage_patient": {"stretch": [1.2, 1.3]}}[name]
+    study = Study.from_mapping({"study": "all", "solver": name, "parameters": parameter,
+                                "designs": {"train": {"method": "sobol", "runs": 2}}})
+    assert {"pressure_b1", "pressure_field", "slip_max"} <= set(study.outputs)
