@@ -16,14 +16,25 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 from rich.table import Table
+from threadpoolctl import threadpool_limits
 
+from solvers.leg_bandage.bandages import BANDAGES
 from solvers.leg_bandage.basis import fit_basis, shipped_basis
 from solvers.leg_bandage.cohort import write_cohort
+from solvers.leg_bandage.person import (
+    Prediction,
+    Reduced,
+    WearError,
+    predict_pressure,
+    summary,
+    wear,
+)
+from solvers.leg_bandage.person.page import person_page
 from solvers.leg_bandage.scan import FittedScan, ScanError, fit_scan
 from solvers.leg_bandage.scan.growing import GrownCohort, build_cohort, cohort_in
 from solvers.leg_bandage.scan.page import cohort_page, scan_page
 from solvers.leg_bandage.scan.summary import figures
-from surrogate.errors import SurrogateError
+from surrogate.errors import StudyError, SurrogateError
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True,
                   context_settings={"help_option_names": ["-h", "--help"]},
@@ -69,6 +80,47 @@ def fit_scan_verb(
         _show_scan(fitted, Console())
         if html is not None:
             print(f"\npage: {html}")
+
+
+@app.command("predict")
+def predict_verb(
+        scan: Annotated[Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ.")],
+        bandage: Annotated[str | None, typer.Option(
+            metavar="NAME", help=f"One of {', '.join(sorted(BANDAGES))}.")] = None,
+        tension: Annotated[float | None, typer.Option(
+            metavar="N/MM", help="Of the bandage per width at stretch 1.3, in place of a "
+                                 "name.")] = None,
+        stretch: Annotated[float, typer.Option(help="As laid: length over rest length.")] = 1.3,
+        mu_skin: Annotated[float | None, typer.Option(
+            help="Friction on the skin; default: 0.2, and the interval holds 0.1 to 0.3.")] = None,
+        solve: Annotated[bool, typer.Option(
+            "--solve", help="Run the finite element model too, on the scan's sections.")] = False,
+        mesh: Annotated[str | None, typer.Option(
+            help="For --solve: coarse (default), medium or fine.")] = None,
+        study: Annotated[Path | None, typer.Option(
+            metavar="YAML", help="Stored study to predict from; default: the one that "
+                                 "ships.")] = None,
+        side: Side = "auto", unit: Unit = None, up: Up = None, front: Front = None,
+        length: Length = None, ends: Ends = False, html: Html = None,
+        as_json: AsJson = False) -> None:
+    """Predict the pressure under a bandage on the leg of a scan, with its interval."""
+    worn = wear(bandage, tension, stretch, mu_skin)
+    if mesh is not None and not solve:
+        raise WearError(f"--mesh {mesh} is that of the model which --solve runs; add --solve")
+    reduced = Reduced.read(study)
+    with threadpool_limits(1):  # its matrices are small
+        fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends)
+    told = predict_pressure(fitted, worn, reduced, (mesh or "coarse") if solve else None)
+    if html is not None:
+        _write(html, person_page(told))
+    if as_json:
+        print(json.dumps(summary.figures(told), indent=1))
+    else:
+        _show_prediction(told, Console())
+        if html is not None:
+            print(f"\npage: {html}")
+    if told.unsolved:
+        sys.exit(1)
 
 
 @app.command("build-cohort")
@@ -126,6 +178,22 @@ def _show_scan(scan: FittedScan, console: Console) -> None:
         console.print(f"- {note}", highlight=False, markup=False, soft_wrap=True)
 
 
+def _show_prediction(told: Prediction, console: Console) -> None:
+    def say(words: str) -> None:
+        console.print(words, highlight=False, markup=False, soft_wrap=True)
+
+    say(f"{told.scan.side} leg; {summary.worn_words(told)}\n")
+    console.print(_table(("leg", "value", "runs", ""), summary.coordinate_rows(told)))
+    say("")
+    console.print(_table(("pressure at B1", "mmHg", "95 % interval", "on"),
+                         summary.answers(told)))
+    say("")
+    console.print(_table(("interval", "mmHg", "is"), summary.parts(told)))
+    say("")
+    for note in (*told.notes, *told.scan.notes):
+        say(f"- {note}")
+
+
 _LANDMARKS = {"ankle": "ankle, narrowest", "b1_girth": "B1, girth rule",
               "b1_profile": "B1, profile rule", "calf": "calf, widest"}
 
@@ -180,7 +248,7 @@ def main() -> None:
     """Run the command; people's mistakes end in sentences, never in a traceback."""
     try:
         app()
-    except ScanError as error:
+    except (ScanError, WearError, StudyError) as error:
         _stop(error, 2)
     except KeyboardInterrupt:
         _stop("interrupted", 130)

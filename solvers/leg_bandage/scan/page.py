@@ -19,6 +19,7 @@ from solvers.leg_bandage.scan.sections import THETA
 from solvers.leg_bandage.scan.summary import figures
 from surrogate.errors import SolverError
 
+ROOM = "solvers.leg_bandage.scan"
 EVERY = 3
 """Of the rays, that go to the page."""
 
@@ -29,11 +30,11 @@ def scan_page(scan: FittedScan) -> str:
     marks = told["landmarks"]["scanned"]
     levels = {"ankle": marks["ankle"], "B1": marks["b1_girth"], "calf": marks["calf"]}
     levels = {name: place["height"] for name, place in levels.items() if place is not None}
-    return _render("scan.html", told=told, scan=scan, levels=levels,
-                   sections=[Markup(outlines(name, height, scan)) for name, height
-                             in levels.items()],
-                   girths=Markup(_girth_curves(scan, levels)),
-                   data=Markup(json.dumps(_shape(scan, levels), separators=(",", ":"))))
+    return render(ROOM, "scan.html", told=told, scan=scan, levels=levels,
+                  sections=[Markup(outlines(name, height, scan)) for name, height
+                            in levels.items()],
+                  girths=Markup(_girth_curves(scan, levels)),
+                  data=Markup(json.dumps(_shape(scan, levels), separators=(",", ":"))))
 
 
 def cohort_page(grown: GrownCohort, folder: Path) -> str:
@@ -46,12 +47,13 @@ def cohort_page(grown: GrownCohort, folder: Path) -> str:
                      "number of modes", "error of the skin, mm", dots=True, from_zero=True)
     facts = grown.cohort.facts
     legs = list(zip(facts["file"], facts["side"], grown.cohort.length, strict=True))
-    return _render("cohort.html", grown=grown, folder=folder.name, legs=legs,
-                   drawing=Markup(drawing))
+    return render(ROOM, "cohort.html", grown=grown, folder=folder.name, legs=legs,
+                  drawing=Markup(drawing))
 
 
-def _render(template: str, **content: Any) -> str:
-    loader = PackageLoader("solvers.leg_bandage.scan", "templates")
+def render(package: str, template: str, **content: Any) -> str:
+    """A page from a template of a package; `include_raw` takes a file beside it as it is."""
+    loader = PackageLoader(package, "templates")
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined,
                               trim_blocks=True, lstrip_blocks=True)
     environment.globals["include_raw"] = lambda name: Markup(
@@ -83,11 +85,14 @@ def _sensor_rim(leg: Leg) -> list[list[float]]:
         disc = sensor(leg)
     except SolverError:
         return []
-    return np.round(_rim(leg, disc), 1).tolist()
+    return np.round(sensor_rim(leg, disc), 1).tolist()
 
 
-def _rim(leg: Leg, disc: Disc, points: int = 40) -> np.ndarray:
-    """(points, 3): each direction is followed along the skin until half a diameter away."""
+def sensor_rim(leg: Leg, disc: Disc, points: int = 40) -> np.ndarray:
+    """Skin under the rim of a sensor, (points, 3), mm.
+
+    Each direction is followed along the skin until half a diameter away, as the crow flies.
+    """
     turn = 2 * np.pi * np.arange(points) / points
     centre, reach = leg.surface(disc.theta, disc.z), np.full(points, disc.diameter / 2)
     for _ in range(8):

@@ -1,0 +1,65 @@
+"""The interval of a pressure, part by part.
+
+Parts are taken as independent: on each side the interval reaches as far as the root of
+the sum of their squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.leg_bandage.person.laplace import shape_error
+from solvers.leg_bandage.person.reduced import Reduced
+
+CONFIDENCE = 0.95
+FRICTIONS = 41
+"""Values of mu_skin that are tried between the ends of its range."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """What one source alone does to the pressure, mmHg: low <= 0 <= high."""
+
+    name: str
+    low: float
+    high: float
+    meaning: str
+
+
+def parts_of(reduced: Reduced, inputs: dict[str, float],
+             mu_range: tuple[float, float] | None) -> tuple[Part, ...]:
+    """Surrogate, shape of the leg, and friction where it is unknown and the study varies it."""
+    coded = reduced.coded(inputs)
+    value = float(reduced.at_b1.predict(coded)[0])
+    low, high = (float(end[0]) for end in reduced.at_b1.interval(coded, CONFIDENCE))
+    missed = shape_error(CONFIDENCE)
+    found = [
+        Part("surrogate", low - value, high - value,
+             f"what {reduced.count} runs leave open; 95 %"),
+        Part("leg shape", -missed * value, missed * value,
+             f"what the shape modes miss of a leg: {missed:.1%} of the pressure on the validation "
+             "legs, by Laplace's law; 95 %")]
+    if mu_range is not None and "mu_skin" in reduced.names:
+        found.append(_friction(reduced, inputs, value, mu_range))
+    return tuple(found)
+
+
+def _friction(reduced: Reduced, inputs: dict[str, float], value: float,
+              mu_range: tuple[float, float]) -> Part:
+    """From the lowest to the highest pressure over the range: all of it, not 95 %."""
+    column = np.linspace(*mu_range, FRICTIONS)
+    pressures = reduced.at_b1.predict(reduced.coded({**inputs, "mu_skin": column}))
+    low, high = mu_range
+    return Part("friction", min(float(pressures.min()) - value, 0.0),
+                max(float(pressures.max()) - value, 0.0),
+                f"mu_skin anywhere between {low:g} and {high:g}; give --mu-skin to leave it out")
+
+
+def joined(value: float, parts: Sequence[Part]) -> tuple[float, float]:
+    """Ends of the interval about a value."""
+    down = np.sqrt(sum(part.low**2 for part in parts))
+    up = np.sqrt(sum(part.high**2 for part in parts))
+    return float(value - down), float(value + up)

@@ -1,0 +1,159 @@
+"""`predict_pressure`: the pressure under a bandage on the leg of a scan, three ways.
+
+By the reduced model on the leg that the shape modes make of the scan, with an interval;
+by Laplace's law on the scan's own sections; if asked, by the finite element model on them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.person.interval import Part, joined, parts_of
+from solvers.leg_bandage.person.laplace import pressure_by_laplace
+from solvers.leg_bandage.person.reduced import Reduced
+from solvers.leg_bandage.person.wear import Wear
+from solvers.leg_bandage.plugin import LegBandage
+from solvers.leg_bandage.scan import FittedScan
+from surrogate.errors import SolverError
+
+
+@dataclass(frozen=True)
+class Skin:
+    """Pressure all over the skin, mmHg.
+
+    theta     (a,) degrees from the outside by the front (90) to the inside (180) of the leg
+    height    (h,) over the length of the leg
+    pressure  (a, h)
+    """
+
+    theta: np.ndarray
+    height: np.ndarray
+    pressure: np.ndarray
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The finite element model on the scan's own sections: mmHg at B1, and all over the skin."""
+
+    mesh: str
+    value: float
+    skin: Skin
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """The pressure at B1 on a person's leg.
+
+    value, low, high  mmHg, by the reduced model, with its 95 % interval
+    parts             what the interval is made of
+    inputs            of the reduced model
+    outside           name -> (value, low, high) of inputs beyond the runs it is learnt from
+    laplace           mmHg by Laplace's law on the `scanned` and the `fitted` leg; None without B1
+    solved            None unless asked for
+    unsolved          why the finite element model has no answer; empty if it has, or was not asked
+    notes             sentences on what the numbers do and do not say
+    """
+
+    scan: FittedScan
+    worn: Wear
+    reduced: Reduced
+    value: float
+    low: float
+    high: float
+    parts: tuple[Part, ...]
+    inputs: Mapping[str, float]
+    outside: Mapping[str, tuple[float, float, float]]
+    laplace: Mapping[str, float | None]
+    solved: Solved | None
+    unsolved: str
+    notes: tuple[str, ...]
+
+    @property
+    def extrapolates(self) -> bool:
+        """Whether the reduced model is asked beyond its runs."""
+        return bool(self.outside)
+
+    def skin(self) -> Skin:
+        """Pressure all over the skin: solved if it was, else the reduced model's."""
+        return self.solved.skin if self.solved else Skin(*self.reduced.skin_pressure(self.inputs))
+
+
+def predict_pressure(scan: FittedScan, worn: Wear, reduced: Reduced,
+                     mesh: str | None = None) -> Prediction:
+    """The pressure at B1; mesh: of the finite element model to solve beside, None for none."""
+    inputs = reduced.inputs(coordinates(scan), worn)
+    value = float(reduced.at_b1.predict(reduced.coded(inputs))[0])
+    parts = parts_of(reduced, inputs, worn.mu_range)
+    outside = reduced.outside(inputs)
+    solved, unsolved = _solved(scan.scanned, worn, mesh)
+    return Prediction(
+        scan, worn, reduced, value, *joined(value, parts), parts, inputs, outside,
+        {"scanned": _laplace(scan.scanned, worn), "fitted": _laplace(scan.leg, worn)}, solved,
+        unsolved, tuple(_notes(worn, reduced, outside, solved, unsolved)))
+
+
+def coordinates(scan: FittedScan) -> dict[str, float]:
+    """The fitted leg in the names of the solvers' inputs."""
+    return {"leg_length": scan.length,
+            **{f"alpha{k}": alpha for k, alpha in enumerate(scan.alphas, 1)}}
+
+
+def solve_on(leg: Leg, worn: Wear, mesh: str) -> Solved:
+    """The finite element model on the sections of this leg."""
+    start = time.perf_counter()
+    values = LegBandage(mesh=mesh).run(
+        leg=leg, tension=worn.tension, stretch=worn.stretch, mu_skin=worn.mu_skin).values
+    grid = LegBandage.outputs["pressure_field"].coordinates
+    return Solved(mesh, values["pressure_b1"],
+                  Skin(grid["theta"], grid["height"], values["pressure_field"]),
+                  time.perf_counter() - start)
+
+
+def _solved(leg: Leg, worn: Wear, mesh: str | None) -> tuple[Solved | None, str]:
+    if mesh is None:
+        return None, ""
+    try:
+        return solve_on(leg, worn, mesh), ""
+    except SolverError as error:
+        return None, str(error)
+
+
+def _laplace(leg: Leg, worn: Wear) -> float | None:
+    try:
+        return pressure_by_laplace(leg, worn.effective_tension)
+    except SolverError:
+        return None
+
+
+def _notes(worn: Wear, reduced: Reduced, outside: Mapping[str, tuple[float, float, float]],
+           solved: Solved | None, unsolved: str):
+    if outside:
+        yield (f"The reduced model extrapolates: {_beyond(outside)}. Chassagne et al. 2018 "
+               "discarded such legs; Laplace's law and --solve, on the scan's own sections, are "
+               "the better word here.")
+    if worn.mu_range is None:
+        yield f"mu_skin {worn.mu_skin:g} is taken as known: the interval has no part for it."
+    if worn.stretch != 1.3 and "stretch" not in reduced.names:
+        yield (f"The runs are at stretch 1.3. Stretch {worn.stretch:g} reaches them as the tension "
+               f"K1 (stretch - 1) = {worn.effective_tension:.4f} N/mm, K1 = {worn.constant:.4f} "
+               "N/mm (Chassagne et al. 2018, equation 10): a straight line for the bandage, and "
+               "a loss of stretch on the leg as at 1.3.")
+    if solved:
+        yield ("The finite element value is one run on the scan's own sections, with mu_skin "
+               f"{worn.mu_skin:g}: it has no interval of its own.")
+    if unsolved:
+        yield f"The finite element model has no answer for this leg: {unsolved}."
+    yield ("No interval here holds the bandager's hand (stretch, overlap), the assumed constants "
+           "of the fabric, or how far the finite element model is from a measured pressure: "
+           "9.7 % on the average in Chassagne et al. 2018.")
+
+
+def _beyond(outside: Mapping[str, tuple[float, float, float]]) -> str:
+    return ", ".join(f"{name} {value:.4g} is outside of {low:.4g} .. {high:.4g}"
+                     for name, (value, low, high) in outside.items())

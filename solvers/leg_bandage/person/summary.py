@@ -1,0 +1,75 @@
+"""What a prediction tells: figures for scripts, rows for a terminal and a page."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from solvers.leg_bandage.person.prediction import Prediction
+from solvers.leg_bandage.scan.summary import figures as scan_figures
+
+Row = tuple[str, str, str, str]
+
+
+def figures(told: Prediction) -> dict[str, Any]:
+    """Everything but the pressure all over the skin; mmHg, mm, N/mm."""
+    fit, solved = told.reduced.at_b1, told.solved
+    return {
+        "scan": scan_figures(told.scan),
+        "bandage": {**asdict(told.worn), "K1": told.worn.constant,
+                    "effective_tension": told.worn.effective_tension},
+        "pressure_b1": {"value": told.value, "low": told.low, "high": told.high,
+                        "confidence": 0.95, "parts": [asdict(part) for part in told.parts]},
+        "surrogate": {"study": told.reduced.study.name, "runs": told.reduced.count,
+                      "q2": fit.q2, "rmse": fit.rmse, "inputs": dict(told.inputs)},
+        "extrapolates": told.extrapolates,
+        "outside": {name: dict(zip(("value", "low", "high"), place, strict=True))
+                    for name, place in told.outside.items()},
+        "laplace": dict(told.laplace),
+        "solved": None if solved is None else {
+            "mesh": solved.mesh, "value": solved.value, "seconds": solved.seconds},
+        "unsolved": told.unsolved,
+        "notes": list(told.notes)}
+
+
+def answers(told: Prediction) -> list[Row]:
+    """How, mmHg, 95 % interval, on which leg."""
+    rows = [("reduced model", f"{told.value:.1f}", f"{told.low:.1f} .. {told.high:.1f}",
+             "leg of the shape modes" + (", EXTRAPOLATED" if told.extrapolates else ""))]
+    if told.solved:
+        rows.append((f"finite elements, {told.solved.mesh}", f"{told.solved.value:.1f}", "",
+                     f"scan's own sections; {told.solved.seconds:.0f} s"))
+    for leg, words in (("scanned", "scan's own sections"), ("fitted", "leg of the shape modes")):
+        value = told.laplace[leg]
+        rows.append(("Laplace's law", "none" if value is None else f"{value:.1f}", "", words))
+    return rows
+
+
+def parts(told: Prediction) -> list[tuple[str, str, str]]:
+    """Part of the interval, mmHg either way, what it is."""
+    return [(part.name, f"{part.low:+.1f} / {part.high:+.1f}", part.meaning)
+            for part in told.parts]
+
+
+def coordinate_rows(told: Prediction) -> list[Row]:
+    """Coordinate of the leg, value, range of the runs, inside or OUTSIDE."""
+    rows = []
+    for name, value in told.inputs.items():
+        if name != "leg_length" and not name.startswith("alpha"):
+            continue
+        low, high = told.reduced.study.space[name].distribution.support
+        digits, unit = (1, " mm") if name == "leg_length" else (4, "")
+        rows.append((name, f"{value:.{digits}f}{unit}",
+                     f"{low:.{max(digits - 1, 1)}f} .. {high:.{max(digits - 1, 1)}f}",
+                     "OUTSIDE" if name in told.outside else "inside"))
+    return rows
+
+
+def worn_words(told: Prediction) -> str:
+    """The bandage in a line."""
+    worn = told.worn
+    name = worn.bandage or f"bandage of {worn.tension:g} N/mm at stretch 1.3"
+    friction = f"mu_skin {worn.mu_skin:g}" + ("" if worn.mu_range is None else
+                                              " (not known: {:g} to {:g})".format(*worn.mu_range))
+    return (f"{name}, stretch {worn.stretch:g}: tension {worn.effective_tension:.4f} N/mm, two "
+            f"layers; {friction}")

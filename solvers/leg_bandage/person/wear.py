@@ -1,0 +1,80 @@
+"""What a person wears: a bandage, how far it is stretched, how it grips the skin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from solvers.leg_bandage.bandages import BANDAGES, STRETCH, bandage
+from solvers.leg_bandage.parameters import INPUTS
+from surrogate.errors import SurrogateError, nearest
+
+MU_SKIN = 0.2
+MU_RANGE = (0.1, 0.3)
+"""Nominal friction of bandage on skin and its range where it is not known (Chassagne et al.
+2018, Table II)."""
+
+
+class WearError(SurrogateError):
+    """A bandage, stretch or friction that cannot be."""
+
+
+@dataclass(frozen=True)
+class Wear:
+    """A bandage as worn.
+
+    bandage   its name; None when only its tension is known
+    tension   N/mm, of the bandage per unit of its width, at the nominal stretch of 1.3
+    stretch   as laid: length over rest length
+    mu_skin   friction coefficient of bandage on skin
+    mu_range  where mu_skin lies when nobody measured it; None: it is known
+    """
+
+    bandage: str | None
+    tension: float
+    stretch: float
+    mu_skin: float
+    mu_range: tuple[float, float] | None
+
+    @property
+    def constant(self) -> float:
+        """K1, N/mm: secant modulus at the nominal stretch (Chassagne et al. 2018, equation 10)."""
+        return self.tension / (STRETCH - 1)
+
+    @property
+    def effective_tension(self) -> float:
+        """N/mm at the stretch as laid: T = K1 (stretch - 1), equation 10."""
+        return self.constant * (self.stretch - 1)
+
+
+def wear(bandage: str | None = None, tension: float | None = None, stretch: float = STRETCH,
+         mu_skin: float | None = None) -> Wear:
+    """A named bandage, or one of this tension at stretch 1.3; raises WearError.
+
+    mu_skin: None for unknown, 0.2 with a range of 0.1 to 0.3.
+    """
+    if (bandage is None) == (tension is None):
+        raise WearError("give either --bandage NAME or --tension N/MM, the bandage's tension per "
+                        f"width at stretch 1.3; bandages: {', '.join(sorted(BANDAGES))}")
+    found = _tension_of(bandage) if bandage is not None else tension
+    _check("tension", found, "it is in N/mm, at stretch 1.3: 98 N/m are 0.098 N/mm")
+    _check("stretch", stretch, "it is length over rest length: 30 % of extension are 1.3")
+    if mu_skin is not None:
+        _check("mu_skin", mu_skin, "skin under a bandage has 0.1 to 0.3")
+    return Wear(bandage, float(found), float(stretch), MU_SKIN if mu_skin is None else mu_skin,
+                MU_RANGE if mu_skin is None else None)
+
+
+def _tension_of(name: str) -> float:
+    """N/mm at stretch 1.3 of a named bandage."""
+    if name not in BANDAGES:
+        raise WearError(f"bandage {name!r} is unknown; {nearest(name, BANDAGES)}; or give its "
+                        "tension at stretch 1.3 by --tension")
+    return float(bandage(name).fabric.tension(np.array(STRETCH)))
+
+
+def _check(name: str, value: float, cure: str) -> None:
+    low, high = INPUTS[name].range
+    if not low <= value <= high:
+        raise WearError(f"{name}: {value:g} is not between {low:g} and {high:g}; {cure}")
