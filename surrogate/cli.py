@@ -100,6 +100,16 @@ def predict(study: StudyFile,
 
 
 @app.command()
+def validate(study: StudyFile, results_dir: Results = None, as_json: AsJson = False,
+             cases: Annotated[Path | None, typer.Option(
+                 metavar="FILE", help="CSV, runs dataset or study; default: the study's own.")]
+             = None) -> None:
+    """Set surrogates and models beside cases they have not seen. Runs no solver of the study."""
+    loaded = Study.from_yaml(study)
+    _show(terminal.validate(loaded, results.folder_of(loaded, results_dir), cases), as_json)
+
+
+@app.command()
 def store(study: StudyFile, results_dir: Results = None, as_json: AsJson = False,
           to: Annotated[Path | None, typer.Option(
               metavar="FILE", help="Default: runs/<study>.nc beside the study.")] = None) -> None:

@@ -20,6 +20,8 @@ def reduced_text(study: Study, screening: Screening) -> str:
     data["parameters"] = {name: part for name, part in data["parameters"].items()
                           if name not in frozen}
     data["constants"] = {**data.get("constants", {}), **frozen}
+    for word in ("stored", "validation"):  # files beside the study, about other runs
+        data.pop(word, None)
     _forget(data, frozen)
     note = (f"# {study.name} with {', '.join(frozen)} frozen: the total index of each is\n"
             f"# surely below {screening.freeze_below:g}. Keep this file beside the study it came\n"

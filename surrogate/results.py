@@ -2,7 +2,7 @@
 
     journal/              every finished run, as it finishes
     runs.nc               the runs dataset
-    comparison.nc, sensitivity.nc, regression.nc
+    comparison.nc, sensitivity.nc, regression.nc, validation.nc
     surrogates/*.json     surrogates that evaluate without this package
     summary.json          the figures of the report, for scripts
     study.yaml            the study as run
@@ -26,7 +26,8 @@ import xarray as xr
 
 from surrogate import runs as rundata
 from surrogate import stored as storing
-from surrogate.errors import FitError, ResultsError
+from surrogate.cases import Cases
+from surrogate.errors import FitError, ResultsError, StudyError
 from surrogate.execution import Progress
 from surrogate.files import write_text
 from surrogate.reduction import reduced_text
@@ -66,11 +67,16 @@ def complete(study: Study, folder: Path, *, workers: int | None = None,
              progress: Callable[[Progress], None] | None = None) -> Outcome:
     """Do the missing runs (`fresh`: all of them again), then everything that follows from them.
 
+    The missing runs of a study that gives the cases of validation are done too.
     Raises KeyboardInterrupt when stopped; all finished runs are kept.
     """
     try:
         runs = study.run(workers=workers, results=folder, retry_failed=retry_failed,
                          fresh=fresh, progress=progress)
+        reference = study.validation and study.validation.reference
+        if reference is not None:
+            reference.run(workers=workers, results=study.beside(reference, folder),
+                          progress=progress)
     except KeyboardInterrupt:
         rundata.save(study.stored(folder), folder / RUNS)
         raise
@@ -87,7 +93,7 @@ def analyse(study: Study, folder: Path, runs: xr.Dataset | None = None, *,
     runs = study.stored(folder) if runs is None else runs
     if (runs["status"] == "missing").all():
         raise ResultsError(f"{folder} holds no runs of this study; do `surrogate run` first")
-    stamp = _stamp(study, runs)
+    stamp = _stamp(study, runs, _cases(study, folder)[0])
     known = _read_summary(folder)
     if not again and known.get("stamp") == stamp and (folder / REPORT).exists():
         return Outcome(folder, known, _trouble(runs, known["not_done"]), fresh=False)
@@ -106,6 +112,24 @@ def store(study: Study, folder: Path, to: Path | None = None) -> tuple[Path, xr.
     return path, runs
 
 
+def validate(study: Study, folder: Path, cases: Path | None = None) -> tuple[xr.Dataset, Path]:
+    """Set the stored runs' surrogates beside cases; returns the figures and their page's path.
+
+    cases: a file; default the study's own. The dataset is written beside the page, both named
+    after the file when it is given. Raises `StudyError` when there are no cases.
+    """
+    if cases is None and study.validation is None:
+        raise StudyError("the study has no validation: and no cases are given; add "
+                         "validation: {cases: FILE.csv} or give --cases FILE")
+    runs = study.stored(folder)
+    fits = study.fit(runs)
+    table = study.validate(fits, cases, results=folder)
+    path = folder / ("validation" if cases is None else f"validation_{cases.stem}")
+    rundata.save(table, path.with_suffix(".nc"))
+    page = study.validation_page(runs, table).save(path.with_suffix(".html"))
+    return table, page
+
+
 def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
     fits = study.fit(runs)
     table = study.compare(fits, runs)
@@ -113,9 +137,12 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
     indices = study.sensitivity(fits, runs, table)
     screening = study.screening(fits, table, indices)
     reduced = reduced_text(study, screening) if screening is not None else ""
-    not_done = study.unfitted(runs, fits)
+    cases, trouble = _cases(study, folder)
+    validation = study.validate(fits, cases) if cases is not None else None
+    not_done = study.unfitted(runs, fits) + trouble
     rundata.save(runs, folder / RUNS)
-    for name, dataset in (("comparison", table), ("sensitivity", indices)):
+    for name, dataset in (("comparison", table), ("sensitivity", indices),
+                          ("validation", validation)):
         if dataset is not None:
             rundata.save(dataset, folder / f"{name}.nc")
     _save_regressions(regressions, folder / "regression.nc")
@@ -123,22 +150,33 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
     write_text(folder / "study.yaml", study.text)
     if reduced:
         write_text(folder / "study_reduced.yaml", reduced)
-    study.report(runs, fits, table, indices, screening=screening,
+    study.report(runs, fits, table, indices, screening=screening, validation=validation,
                  reduced=reduced, not_done=not_done).save(folder / REPORT)
     summary = {"study": study.name, "stamp": stamp, "runs": rundata.counts(runs),
                "stored": rundata.described(runs, "stored"),
-               "comparison": _figures(table), "sensitivity": _figures(indices),
-               "regression": {name: {output: _figures(one) for output, one in by.items()}
+               "comparison": figures_of(table), "sensitivity": figures_of(indices),
+               "regression": {name: {output: figures_of(one) for output, one in by.items()}
                               for name, by in regressions.items()},
                "screening": _plain(screening.summary()) if screening else None,
-               "not_done": not_done}
+               "validation": figures_of(validation), "not_done": not_done}
     write_text(folder / SUMMARY, json.dumps(summary, indent=1, allow_nan=False))
     return Outcome(folder, summary, _trouble(runs, not_done))
 
 
-def _stamp(study: Study, runs: xr.Dataset) -> str:
+def _cases(study: Study, folder: Path) -> tuple[Cases | None, list[str]]:
+    """The cases of validation, or why there are none."""
+    try:
+        return study.cases(results=folder), []
+    except StudyError as error:
+        return None, [f"validation: {sentence}" for sentence in error.mistakes]
+
+
+def _stamp(study: Study, runs: xr.Dataset, cases: Cases | None) -> str:
     """Digest of all that the derived files depend on."""
     digest = hashlib.sha256(study.text.encode())
+    if cases is not None:
+        digest.update(repr([(name, column.tolist()) for name, column in cases.columns.items()]
+                           + [cases.labels]).encode())
     digest.update(json.dumps(rundata.versions(), sort_keys=True).encode())
     for name in sorted(map(str, runs.data_vars)):
         values = runs[name].values
@@ -180,7 +218,7 @@ def _save_portable(fits: Fits, folder: Path) -> None:
             write_text(folder / f"{name}.json", json.dumps(described, allow_nan=False))
 
 
-def _figures(dataset: xr.Dataset | None) -> dict[str, Any] | None:
+def figures_of(dataset: xr.Dataset | None) -> dict[str, Any] | None:
     """A dataset's numbers as JSON data; what is not finite becomes null."""
     if dataset is None:
         return None

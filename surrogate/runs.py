@@ -160,6 +160,8 @@ def _provenance(recipe: Recipe, constants, fixed, study: str, seeds) -> dict[str
     return {"study": study, "solver": recipe.name, "solver_version": str(recipe.solver.version),
             "solver_options": canonical(recipe.options), "constants": canonical(constants or {}),
             "identity": recipe.context, "fixed_inputs": canonical(fixed),
+            "fixed_units": canonical({name: recipe.solver.inputs[name].unit for name in fixed
+                                      if not recipe.solver.inputs[name].levels}),
             "seeds": canonical(seeds or {}), "versions": canonical(versions()),
             "deterministic": str(recipe.deterministic).lower(),
             "created": datetime.now(UTC).isoformat(timespec="seconds")}

@@ -16,6 +16,7 @@ from surrogate import comparison as comparing
 from surrogate import fitting, reading, studyfile
 from surrogate import runs as rundata
 from surrogate import stored as storing
+from surrogate.cases import Cases, from_runs
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
 from surrogate.errors import FitError, StudyError
@@ -28,10 +29,13 @@ from surrogate.reading import Reading, SensitivityMethod, Surrogate
 from surrogate.report import Content, Page, build
 from surrogate.sensitivity.screening import Screening, decide
 from surrogate.sensitivity.table import combine
+from surrogate.solver import Output
 from surrogate.source import Source, read_file, read_text, write_yaml
 from surrogate.space import Space
 from surrogate.stored import Given, Known, StoredRuns
 from surrogate.studyfile import ExecutionPart, ScreeningPart
+from surrogate.validation import Validation, fixed_inputs, outputs_in
+from surrogate.validation import validate as compare_with_cases
 
 Fits = Mapping[str, Mapping[str, Fit]]
 
@@ -56,6 +60,7 @@ class Study:
     screening_rule: ScreeningPart | None
     execution: ExecutionPart
     stored_runs: tuple[StoredRuns, ...]
+    validation: Validation | None
     source: Source = field(repr=False, compare=False)
 
     @classmethod
@@ -272,15 +277,78 @@ class Study:
                     not p.categorical and nominal[p.name] is not None
                     and p.distribution.support[0] <= nominal[p.name] <= p.distribution.support[1])}
 
+    def beside(self, other: Study, results: Path | None = None) -> Path:
+        """Where the results of another study lie, when this one's lie in `results`."""
+        return (results or self.folder).parent / other.name
+
+    def cases(self, given: Any = None, *, results: Path | None = None) -> Cases | None:
+        """The cases of validation, or those `given`: a file, a runs dataset, a study, `Cases`.
+
+        A study's runs are taken as far as they are stored. Raises `StudyError` for cases
+        that are not understood, and when there are none.
+        """
+        found = given
+        if given is None:
+            found = self.validation and (self.validation.cases or self.validation.reference)
+        elif isinstance(given, str | Path):
+            found = reading.cases_at(Path(given), str(given), _reference)
+        if found is None:
+            return None
+        if isinstance(found, Study):
+            found = from_runs(found.stored(self.beside(found, results)), found.name)
+        elif isinstance(found, xr.Dataset):
+            found = from_runs(found, "runs")
+        found = found.in_units({**self.recipe.solver.inputs, **self.recipe.solver.outputs})
+        reading.check_cases(found, self.space, self._offered, self._compared)
+        return found
+
+    @property
+    def _offered(self) -> dict[str, Output]:
+        return {name: self.recipe.solver.outputs[name] for name in self.outputs}
+
+    @property
+    def _compared(self) -> tuple[str, ...]:
+        """Outputs that validation names; none for all that the cases have."""
+        return self.validation.outputs if self.validation else ()
+
+    def validate(self, fits: Fits, cases: Any = None, *,
+                 results: Path | None = None) -> xr.Dataset | None:
+        """Surrogates, and the validation's models, beside cases that they have not seen.
+
+        cases: as in `cases`; default the study's own. Runs no solver but the models.
+        """
+        found = self.cases(cases, results=results)
+        if found is None:
+            return None
+        units = {name: self._offered[name].unit
+                 for name in outputs_in(found, self._offered, self._compared)}
+        return compare_with_cases(
+            self.space, fits, found, units, self.validation.models if self.validation else {},
+            fixed_inputs(self.recipe.solver, self.space, self.constants))
+
     def report(self, runs: xr.Dataset, fits: Fits, table: xr.Dataset | None = None,
                indices: xr.Dataset | None = None, *, screening: Screening | None = None,
-               reduced: str = "", not_done: Sequence[str] = ()) -> Page:
+               validation: xr.Dataset | None = None, reduced: str = "",
+               not_done: Sequence[str] = ()) -> Page:
         """The report as one page; `page.save(path)` writes it."""
         return build(Content(
             name=self.name, about=self.about, space=self.space, runs=runs, fits=fits,
             comparison=table, regression=self.regressions(fits), sensitivity=indices,
-            screening=screening, aliasing=self.aliases, reduced_study=reduced,
-            not_done=not_done))
+            screening=screening, validation=validation, aliasing=self.aliases,
+            reduced_study=reduced, not_done=not_done))
+
+    def validation_page(self, runs: xr.Dataset, validation: xr.Dataset) -> Page:
+        """The report of a validation alone."""
+        return build(Content(name=self.name, about=self.about, space=self.space, runs=runs,
+                             validation=validation), only="validation")
+
+
+def _reference(path: Path) -> Study:
+    """A study whose runs are the cases of another; its own validation is left aside."""
+    source = read_file(path)
+    if isinstance(source.data, dict):
+        source.data.pop("validation", None)
+    return _build(Study, source, path.resolve().parent)
 
 
 def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
@@ -297,7 +365,10 @@ def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
     surrogates = reading.surrogates_of(notes, designs, space)
     sensitivity = reading.sensitivity_of(notes, space)
     stored_runs = reading.stored_of(notes)
+    validation = reading.validation_of(notes, solver, space, outputs, constants, _reference) \
+        if solver else None
     if notes.mistakes:
         raise StudyError(*reading.sentences(source, notes.mistakes))
     return cls(part.study, part.about.strip(), recipe, space, constants, outputs, designs,
-               surrogates, sensitivity, part.screening, part.execution, stored_runs, source)
+               surrogates, sensitivity, part.screening, part.execution, stored_runs,
+               validation, source)

@@ -146,6 +146,20 @@ class ScreeningPart(Part):
     freeze_below: float = Field(0.02, gt=0, lt=1)
 
 
+class ValidationPart(Part):
+    """Cases that no surrogate has seen, and other models to set beside the surrogates."""
+
+    cases: str = Field(description="Measurements (.csv), runs (.nc), or another study (.yaml).")
+    output: Texts = Field((), description="Default: every scalar output that the cases have.")
+    models: dict[Name, SolverPart] = Field({}, description="Other solvers, called on the columns "
+                                           "of the cases that they take as inputs.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value: Any) -> Any:
+        return {"cases": value} if isinstance(value, str) else value
+
+
 class ExecutionPart(Part):
     """How the runs are carried out."""
 
@@ -169,6 +183,7 @@ class StudyPart(Part):
     surrogates: dict[Name, SurrogatePart] = {}
     sensitivity: SensitivityPart | None = None
     screening: ScreeningPart | None = None
+    validation: ValidationPart | None = None
     execution: ExecutionPart = ExecutionPart()
     stored: Texts = Field((), description="Files of runs that ship with the study "
                           "(`surrogate store`), relative to the study file.")
@@ -283,9 +298,11 @@ def _wanted(kind: str, item: Mapping[str, Any]) -> str:
 
 def _keys_at(path: Path) -> list[str]:
     """Keys that a mapping of the study file at `path` takes."""
+    if path[:2] == ("validation", "models") and len(path) > 2:
+        return list(SolverPart.model_fields)
     parts = {"solver": SolverPart, "parameters": ParameterPart, "constants": ConstantPart,
              "designs": DesignPart, "surrogates": SurrogatePart, "sensitivity": SensitivityPart,
-             "screening": ScreeningPart, "execution": ExecutionPart}
+             "screening": ScreeningPart, "validation": ValidationPart, "execution": ExecutionPart}
     return list((parts[path[0]] if path else StudyPart).model_fields)
 
 
@@ -295,6 +312,7 @@ _SHORT_FORMS = {
     "ParameterPart": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
     "ConstantPart": {"type": ["number", "string"]},
     "SurrogatePart": {"type": "string"},
+    "ValidationPart": {"type": "string"},
 }
 
 

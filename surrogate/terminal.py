@@ -17,8 +17,9 @@ from surrogate import plugins, prediction
 from surrogate import runs as rundata
 from surrogate.execution import interrupted
 from surrogate.progress import duration
-from surrogate.results import Outcome
+from surrogate.results import Outcome, figures_of
 from surrogate.results import store as store_runs
+from surrogate.results import validate as validate_with
 from surrogate.study import Study
 
 
@@ -140,6 +141,45 @@ def store(study: Study, results: Path, to: Path | None) -> Page:
                  "stored": name}, parts)
 
 
+def validate(study: Study, results: Path, cases: Path | None) -> Page:
+    """Figures of agreement, and where the page is."""
+    found, page = validate_with(study, results, cases)
+    parts = [*_validation_tables(figures_of(found)), "", f"page: {page}"]
+    return Page({**figures_of(found), "report": str(page)}, parts)
+
+
+def _validation_tables(figures: Mapping[str, Any]) -> list[Any]:
+    """How many cases, which were set aside, and a table for each output."""
+    inside, why = figures["inside"]["values"], figures["outside"]["values"]
+    labels, models = figures["case"]["values"], figures["model"]["values"]
+    parts: list[Any] = [f"validation: {len(inside)} cases from {figures['attributes']['cases']}, "
+                        f"{inside.count(False)} outside the ranges and set aside"]
+    parts += [f"  {label}: {words}" for label, words in zip(labels, why, strict=True) if words]
+    parts += [f"  {note}" for note in figures["attributes"]["notes"].split("\n") if note]
+    units = figures["units"]["values"]
+    for k, output in enumerate(figures["output"]["values"]):
+        rows = [(title, *(_agreed(figures, key, k, j) for j in range(len(models))))
+                for key, title in _AGREEMENT.items()]
+        parts.append(table(f"{output} ({units[k] or '-'})", ("", *models), rows))
+    return parts
+
+
+_AGREEMENT = {"n": "cases", "slope": "slope through origin", "r2": "R2, 1 - SSE/SST",
+              "r2_correlation": "R2, correlation", "mean_error_percent": "mean error (%)",
+              "rmse": "RMSE", "bias": "bias", "lower_limit": "lower limit of agreement",
+              "upper_limit": "upper limit of agreement",
+              "coverage_95": "share in 95 % intervals"}
+
+
+def _agreed(figures: Mapping[str, Any], key: str, output: int, model: int) -> str:
+    """A figure of agreement in three digits, with its interval when it has one."""
+    value, low, high = (_value(figures[name], output, model) if name in figures else None
+                        for name in (key, f"{key}_low", f"{key}_high"))
+    if value is None:
+        return "-"
+    return f"{value:.3g}" + (f" [{low:.3g}, {high:.3g}]" if None not in (low, high) else "")
+
+
 def outcome(study: Study, done: Outcome) -> Page:
     """The findings in a few lines, and where the report is."""
     figures = done.summary
@@ -147,6 +187,8 @@ def outcome(study: Study, done: Outcome) -> Page:
     for key, titles in (("comparison", _COMPARED), ("sensitivity", _INDICES)):
         if figures[key]:
             parts += [*_figure_tables(figures[key], titles), ""]
+    if figures["validation"]:
+        parts += [*_validation_tables(figures["validation"]), ""]
     if figures["screening"]:
         parts.append(_screening_line(figures["screening"]))
     parts.append(f"report: {done.report}" + ("" if done.fresh else " (was up to date)"))

@@ -10,7 +10,8 @@ from surrogate.reading.methods import (
 from surrogate.reading.notes import Reading, sentences
 from surrogate.reading.runs import stored_of
 from surrogate.reading.solver import constants_of, outputs_of, solver_of, space_of
+from surrogate.reading.validation import cases_at, check_cases, validation_of
 
-__all__ = ["Reading", "SensitivityMethod", "Surrogate", "constants_of", "designs_of",
-           "outputs_of", "sensitivity_of", "sentences", "solver_of", "space_of", "stored_of",
-           "surrogates_of"]
+__all__ = ["Reading", "SensitivityMethod", "Surrogate", "cases_at", "check_cases",
+           "constants_of", "designs_of", "outputs_of", "sensitivity_of", "sentences", "solver_of",
+           "space_of", "stored_of", "surrogates_of", "validation_of"]

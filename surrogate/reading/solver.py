@@ -13,34 +13,35 @@ from surrogate.plugins import SolverFactory
 from surrogate.reading.notes import Reading
 from surrogate.solver import Input, Solver
 from surrogate.space import Parameter, Space
-from surrogate.studyfile import ParameterPart
+from surrogate.studyfile import ParameterPart, SolverPart
 
 #: Parameters of a solver's constructor that the framework fills in; they are not options.
 GIVEN_TO_SOLVERS = ("self", "folder")
 
 
-def solver_of(reading: Reading) -> tuple[Recipe, Solver | None]:
-    """The study's solver, built once here to learn its inputs and outputs."""
-    part = reading.part.solver
+def solver_of(reading: Reading, part: SolverPart | None = None,
+              path: tuple[str, ...] = ("solver",)) -> tuple[Recipe, Solver | None]:
+    """The study's solver, or that of `part`, built once here to learn its inputs and outputs."""
+    part = reading.part.solver if part is None else part
     factory = SolverFactory(part.name, reading.folder)
     recipe = Recipe(factory.label, factory, part.options)
-    if reading.is_broken("solver"):
+    if reading.is_broken(*path):
         return recipe, None
-    with reading.noting("solver", "name"):
+    with reading.noting(*path, "name"):
         mistakes = plugins.option_mistakes(factory.find(), part.options, GIVEN_TO_SOLVERS)
-        reading.options_wrong(mistakes, "solver", "options")
+        reading.options_wrong(mistakes, *path, "options")
         if not mistakes:
-            return recipe, _built(recipe, reading)
+            return recipe, _built(recipe, reading, path)
         # The options that are right may build a solver to check the rest of the study with.
         wrong = {option for option, _ in mistakes}
         sound = {name: value for name, value in part.options.items() if name not in wrong}
         aside = replace(reading, mistakes=[])
-        return recipe, _built(replace(recipe, options=sound), aside)
+        return recipe, _built(replace(recipe, options=sound), aside, path)
     return recipe, None
 
 
-def _built(recipe: Recipe, reading: Reading) -> Solver | None:
-    with reading.noting("solver", "options"):
+def _built(recipe: Recipe, reading: Reading, path: tuple[str, ...]) -> Solver | None:
+    with reading.noting(*path, "options"):
         try:
             solver = recipe.solver
         except (StudyError, PluginError):
@@ -52,7 +53,7 @@ def _built(recipe: Recipe, reading: Reading) -> Solver | None:
             return solver
         lacking = [name for name in ("inputs", "outputs", "version") if not hasattr(solver, name)]
         reading.wrong(f"'{recipe.name}' is not a solver: it has no "
-                      f"{', '.join(lacking) or '__call__'}", "solver", "name")
+                      f"{', '.join(lacking) or '__call__'}", *path, "name")
     return None
 
 

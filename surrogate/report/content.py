@@ -30,6 +30,7 @@ class Content:
     regression      surrogate -> output -> regression table
     sensitivity     dataset over (output, parameter)
     screening       which parameters to keep
+    validation      dataset over (model, output, case)
     aliasing        design -> aliasing of a two-level fraction
     reduced_study   text of the study file without the frozen parameters
     not_done        sentences about what the study asked for and could not be done
@@ -44,6 +45,7 @@ class Content:
     regression: Mapping[str, Mapping[str, xr.Dataset]] = field(default_factory=dict)
     sensitivity: xr.Dataset | None = None
     screening: Screening | None = None
+    validation: xr.Dataset | None = None
     aliasing: Mapping[str, Aliasing] = field(default_factory=dict)
     reduced_study: str = ""
     not_done: Sequence[str] = ()

@@ -25,6 +25,7 @@ from surrogate.report.sections import (
     runs,
     screening,
     summary,
+    validation,
 )
 
 
@@ -40,11 +41,15 @@ class Page:
         return Path(path)
 
 
-def build(content: Content) -> Page:
-    """The report of a study as one HTML page that opens without a network."""
+def build(content: Content, only: str = "") -> Page:
+    """The report of a study as one HTML page that opens without a network.
+
+    only: anchor of the one section to show; provenance stands under it.
+    """
     environment = Environment(loader=PackageLoader("surrogate.report", "."), autoescape=True,
                               undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    sections = list(_sections(content))
+    sections = [section for section in _sections(content)
+                if not only or section.anchor in (only, "provenance")]
     return Page(environment.get_template("page.html").render(
         name=content.name, sections=sections, style=_part(environment, "style.css"),
         script=_part(environment, "behaviour.js"),
@@ -62,6 +67,8 @@ def _sections(content: Content) -> Iterator[Section]:
                   *effects.blocks(content, output), *indices.blocks(content, output)]
         title = f"Output {digits.labelled(output, content.unit(output))}"
         yield Section(anchor("output", output), title, tuple(blocks))
+    if content.validation is not None:
+        yield validation.section(content)
     yield screening.section(content)
     yield provenance.section(content)
 

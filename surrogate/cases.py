@@ -1,0 +1,173 @@
+"""Cases that no surrogate has seen: measurements in a CSV file, or runs of a better solver.
+
+A CSV file's first line names the columns: parameters, other inputs of a model, outputs,
+if wanted `case` (a label) and `subject` (who it was measured on, when one has several
+cases). Numbers are in the study's units unless they carry one (`98 N/m`). Empty cells of
+an output are gaps; other columns are left alone; lines that start with # are skipped.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from surrogate import runs as rundata
+from surrogate import units
+from surrogate.errors import StudyError, nearest
+
+LABEL, SUBJECT = "case", "subject"
+#: Mistakes shown before the rest is only counted.
+SHOWN = 20
+
+
+@dataclass(frozen=True)
+class Cases:
+    """A table of cases.
+
+    name      the file, as the study writes it
+    columns   name -> cells (case,): texts of a CSV file, or numbers
+    places    where each case stands, for messages, (case,)
+    units     name -> unit of a column; one that is not named is in the unit asked for
+    labels    what each case is called, (case,)
+    """
+
+    name: str
+    columns: Mapping[str, np.ndarray]
+    places: tuple[str, ...]
+    labels: tuple[str, ...]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def subjects(self) -> np.ndarray | None:
+        """Who each case was measured on, (case,); None when the cases do not tell."""
+        return self.columns.get(SUBJECT)
+
+    def numbers(self, name: str, unit: str, gaps: bool = False) -> np.ndarray:
+        """A column in `unit`, (case,); `gaps`: an empty cell is NaN.
+
+        Raises `StudyError` naming the place of each cell that is no number.
+        """
+        stated = self.units.get(name, unit)
+        convert = units.conversion(stated, unit)
+        values, mistakes = np.full(len(self.places), np.nan), []
+        for k, cell in enumerate(self.columns[name]):
+            try:
+                if isinstance(cell, str) and not cell.strip():
+                    cell = np.nan
+                if not gaps and not _finite(cell):
+                    raise StudyError("there is no value")
+                values[k] = convert.place(units.quantity(cell, stated) if isinstance(cell, str)
+                                          else float(cell))
+            except StudyError as error:
+                mistakes.append(f"{self.places[k]}: {name}: {error}")
+        if mistakes:
+            more = [f"and {len(mistakes) - SHOWN} more"] if len(mistakes) > SHOWN else []
+            raise StudyError(*mistakes[:SHOWN], *more)
+        return values
+
+    def words(self, name: str) -> np.ndarray:
+        """A column of level names, (case,)."""
+        return np.array([str(cell).strip() for cell in self.columns[name]])
+
+    def in_units(self, known: Mapping[str, Any]) -> Cases:
+        """The same cases, columns without a stated unit being in that of `known` (name -> with
+        `unit`)."""
+        return replace(self, units={**{name: one.unit for name, one in known.items()},
+                                    **self.units})
+
+    def inputs(self, wanted: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        """The columns among `wanted` (name -> with `unit` and `levels`), in those units."""
+        return {name: self.words(name) if one.levels else self.numbers(name, one.unit)
+                for name, one in wanted.items() if name in self.columns}
+
+
+def _finite(cell: Any) -> bool:
+    return isinstance(cell, str) or bool(np.isfinite(cell))
+
+
+def read_csv(path: Path, name: str) -> Cases:
+    """The cases in a CSV file; raises `StudyError` when it cannot be read or holds none."""
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise StudyError(f"cases '{name}': {path} cannot be read ({error.strerror or error}); "
+                         "give the path relative to the study file") from None
+    except UnicodeDecodeError:
+        raise StudyError(f"cases '{name}': {path} is not a text file in UTF-8; save it as CSV "
+                         "UTF-8") from None
+    rows = [(number, [cell.strip() for cell in next(csv.reader([line]))])
+            for number, line in enumerate(lines, 1)
+            if line.strip(" ,\t") and not line.lstrip().startswith("#")]
+    if len(rows) < 2:
+        raise StudyError(f"cases '{name}': {path} holds no cases; its first line names the "
+                         "columns, each further line is a case")
+    _check_rows(path, rows)
+    header = rows[0][1]
+    columns = {title: np.array([cells[j] for _, cells in rows[1:]], dtype=object)
+               for j, title in enumerate(header) if title}
+    labels = columns.pop(LABEL, [str(k) for k in range(1, len(rows))])
+    return Cases(name, columns, tuple(f"{path}:{number}" for number, _ in rows[1:]),
+                 tuple(map(str, labels)))
+
+
+def _check_rows(path: Path, rows: list[tuple[int, list[str]]]) -> None:
+    first, header = rows[0]
+    mistakes = [f"{path}:{first}: column '{title}' stands twice"
+                for title in dict.fromkeys(header) if title and header.count(title) > 1]
+    mistakes += [f"{path}:{number}: {len(cells)} cells where the first line names {len(header)}"
+                 for number, cells in rows[1:] if len(cells) != len(header)]
+    if mistakes:
+        raise StudyError(*mistakes[:SHOWN])
+
+
+def read_runs(path: Path, name: str) -> Cases:
+    """The good runs in a runs dataset as cases."""
+    try:
+        runs = xr.load_dataset(path, engine="h5netcdf", decode_timedelta=False)
+    except FileNotFoundError:
+        raise StudyError(f"cases '{name}': {path} does not exist; give the path relative to the "
+                         "study file") from None
+    except Exception as error:  # a damaged file fails in the depths of HDF5 in many ways
+        raise StudyError(f"cases '{name}': {path} cannot be read "
+                         f"({type(error).__name__}: {error})") from None
+    if "parameter" not in runs.coords or "status" not in runs:
+        raise StudyError(f"cases '{name}': {path} is not a dataset of runs: it lacks 'parameter' "
+                         "or 'status'; give a runs.nc, a CSV file or a study")
+    return from_runs(runs, name)
+
+
+def from_runs(runs: xr.Dataset, name: str) -> Cases:
+    """The good runs of a dataset: parameters, constants and scalar outputs are the columns."""
+    rows = np.flatnonzero(runs["status"].values == "ok")
+    if not len(rows):
+        raise StudyError(f"cases '{name}': there is no finished run")
+    given = [*runs["parameter"].values.tolist(),
+             *(one for one in rundata.output_names(runs) if runs[one].ndim == 1)]
+    columns = {one: runs[one].values[rows] for one in given}
+    stated = {one: runs[one].attrs["units"] for one in given if "units" in runs[one].attrs}
+    if "fixed_inputs" in runs.attrs:
+        fixed = rundata.described(runs, "fixed_inputs")
+        columns |= {one: np.full(len(rows), value) for one, value in fixed.items()}
+        stated |= {one: unit for one, unit in rundata.described(runs, "fixed_units").items()
+                   if one in fixed}
+    return Cases(name, columns, tuple(f"run {row} of {name}" for row in rows),
+                 tuple(map(str, rows)), stated)
+
+
+def header(columns: Mapping[str, Any], name: str) -> Cases:
+    """Cases without rows, of runs yet to come: columns is name -> with `unit`."""
+    return Cases(name, {one: np.array([]) for one in columns}, (), (),
+                 {one: what.unit for one, what in columns.items()})
+
+
+def lacking(cases: Cases, names: Iterable[str], what: str) -> list[str]:
+    """A sentence for each name that the cases have no column for."""
+    titles = [title for title in cases.columns if title != SUBJECT]
+    return [f"cases '{cases.name}' have no column for {what} '{name}'; {nearest(name, titles)}"
+            for name in names if name not in cases.columns]

@@ -1,0 +1,220 @@
+"""Validation: surrogates, and other models, beside cases that they have never seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from surrogate import units
+from surrogate.agreement import FIGURES, agreement
+from surrogate.cases import Cases
+from surrogate.errors import SolverError
+from surrogate.fitting import Fit
+from surrogate.identity import Recipe, calls
+from surrogate.solver import Solver
+from surrogate.space import Parameter, Space
+
+CONFIDENCE = 0.95
+DEFINITIONS = (
+    "slope: regression through the origin, reference on x, model on y; r2: 1 - SSE / SST of the "
+    "model as it stands; r2_correlation: squared correlation; errors: model minus reference; "
+    "limits of agreement: bias -+ 1.96 sd")
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """An input that a study does not vary; `stated` when the study names it a constant."""
+
+    value: float | str
+    unit: str
+    stated: bool
+
+
+def fixed_inputs(solver: Solver, space: Space, constants: Mapping[str, Any]) -> dict[str, Fixed]:
+    """All inputs of the study's solver that are no parameters: constants and nominal values."""
+    return {name: Fixed(constants.get(name, one.nominal), one.unit, name in constants)
+            for name, one in solver.inputs.items()
+            if name not in space.names and (name in constants or one.nominal is not None)}
+
+
+@dataclass(frozen=True)
+class Validation:
+    """The entry `validation:`.
+
+    cases      the cases, or None when they are the runs of `reference`
+    reference  another study whose runs are the cases
+    outputs    which outputs are compared; empty for all that the cases have
+    models     other solvers, by name
+    """
+
+    cases: Cases | None = None
+    reference: Any = None
+    outputs: tuple[str, ...] = ()
+    models: Mapping[str, Recipe] = field(default_factory=dict)
+
+
+def outputs_in(cases: Cases, offered: Mapping[str, Any], wanted: Iterable[str]) -> tuple[str, ...]:
+    """The scalar outputs to compare: those wanted, or all offered that the cases have."""
+    return tuple(wanted) or tuple(name for name, output in offered.items()
+                                  if name in cases.columns and not output.dims)
+
+
+def validate(space: Space, fits: Mapping[str, Mapping[str, Fit]], cases: Cases,
+             outputs: Mapping[str, str], models: Mapping[str, Recipe] | None = None,
+             fixed: Mapping[str, Fixed] | None = None) -> xr.Dataset:
+    """Every surrogate and model beside the cases.
+
+    outputs    name -> unit
+    models     called on the cases' columns, else on the study's constants, else on their
+               own nominal values
+    fixed      what the study does not vary
+    Cases outside of the parameters' ranges are predicted by nobody but `models`, and no
+    figure is drawn from them; `inside` and `outside` tell which they are, and why.
+
+    Dimensions `case`, `output`, `model`, and a variable for each of
+    `surrogate.agreement.FIGURES`. Raises `StudyError` for cells that are not understood.
+    """
+    columns = cases.inputs({p.name: p for p in space.parameters})
+    why = _outside(space, columns)
+    inside = np.array([not words for words in why])
+    reference = {name: cases.numbers(name, unit, gaps=True) for name, unit in outputs.items()}
+    answers, notes = {}, _varied(cases, space, fixed or {})
+    if inside.any():
+        coded = space.encode({name: values[inside] for name, values in columns.items()})
+        answers = {name: {output: _of_fit(by[output], coded, inside)
+                          for output in outputs if output in by} for name, by in fits.items()}
+    for name, recipe in (models or {}).items():
+        answers[name], said = _of_model(recipe, cases, outputs, fixed or {})
+        notes += [f"{name}: {words}" for words in said]
+    answers = {name: by for name, by in answers.items() if by}
+    return _dataset(cases, columns, outputs, reference, answers, inside, why, notes, space)
+
+
+def _outside(space: Space, columns: Mapping[str, np.ndarray]) -> list[str]:
+    """Why each case lies outside of the parameters' ranges, "" when it does not."""
+    why: list[list[str]] = [[] for _ in next(iter(columns.values()))]
+    for parameter in space.parameters:
+        for words, value in zip(why, columns[parameter.name], strict=True):
+            if not _within(parameter, value):
+                words.append(_off(parameter, value))
+    return ["; ".join(words) for words in why]
+
+
+def _within(parameter: Parameter, value: Any) -> bool:
+    if parameter.categorical:
+        return value in parameter.levels
+    return bool(np.abs(parameter.encode(value)) <= 1.0 + 1e-9)
+
+
+def _off(parameter: Parameter, value: Any) -> str:
+    if parameter.categorical:
+        return f"{parameter.name} {value} (not {', '.join(parameter.levels)})"
+    low, high = parameter.distribution.support
+    return f"{parameter.name} {value:.4g} {parameter.unit}".rstrip() + f" ({low:.4g} to {high:.4g})"
+
+
+def _of_fit(fit: Fit, coded: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """Value, lower and upper end of the 95 % interval (3, case); NaN outside."""
+    found = np.full((3, len(inside)), np.nan)
+    found[:, inside] = fit.predict(coded), *fit.interval(coded, CONFIDENCE)
+    return found
+
+
+def _of_model(recipe: Recipe, cases: Cases, outputs: Mapping[str, str],
+              fixed: Mapping[str, Fixed]) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Values of each output that the model has, as (3, case), and what went wrong."""
+    columns = cases.inputs(recipe.solver.inputs)
+    kept = constants_for(recipe, fixed, columns)
+    offered = recipe.solver.outputs
+    values = {name: np.full((3, len(cases.places)), np.nan) for name in outputs
+              if name in offered}
+    refused: list[str] = []
+    for k, call in enumerate(_calls(recipe, columns, kept, len(cases.places))):
+        try:
+            answer = recipe.solver(**call)
+        except Exception as error:  # a model's failure costs its case, whatever it is
+            kind = "" if isinstance(error, SolverError) else f"{type(error).__name__}: "
+            refused.append(f"{cases.labels[k]} ({kind}{error})")
+        else:
+            for name, row in values.items():
+                convert = units.conversion(offered[name].unit, outputs[name])
+                row[0, k] = convert.place(answer[name])
+    return values, [f"no answer for case {', '.join(refused)}"] if refused else []
+
+
+def constants_for(recipe: Recipe, fixed: Mapping[str, Fixed],
+                  columns: Iterable[str]) -> dict[str, float | str]:
+    """The study's constants that a model takes and the cases do not give, in its units."""
+    inputs = recipe.solver.inputs
+    return {name: one.value if inputs[name].levels else
+            units.conversion(one.unit, inputs[name].unit).place(one.value)
+            for name, one in fixed.items()
+            if one.stated and name in inputs and name not in columns}
+
+
+def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]:
+    """A sentence for each input that the study fixes and the cases have elsewhere."""
+    said = []
+    for name, one in fixed.items():
+        if name not in cases.columns or isinstance(one.value, str):
+            continue
+        values = cases.numbers(name, one.unit, gaps=True)
+        if not np.allclose(values, one.value, rtol=1e-9, equal_nan=True):
+            said.append(f"the cases have {name} {np.nanmin(values):.4g} to "
+                        f"{np.nanmax(values):.4g} {one.unit}".rstrip()
+                        + f"; the study fixes it at {one.value:.4g}")
+    return said
+
+
+def _calls(recipe: Recipe, columns, constants, count: int) -> list[dict]:
+    """The model's arguments for each case; the same ones when it takes no column at all."""
+    return calls(recipe, columns, constants) if columns else \
+        [{**{n: one.nominal for n, one in recipe.solver.inputs.items()}, **constants}] * count
+
+
+def _dataset(cases: Cases, columns, outputs, reference, answers, inside, why, notes,
+             space: Space) -> xr.Dataset:
+    names, dims = list(answers), ("model", "output")
+    shape = (len(names), len(outputs))
+    predicted = np.full((3, *shape, len(cases.places)), np.nan)
+    figures = {name: np.full(shape, np.nan) for name in (*FIGURES, "coverage_95")}
+    for j, output in enumerate(outputs):
+        for i, name in enumerate(names):
+            if output not in answers[name]:
+                continue
+            predicted[:, i, j] = answers[name][output]
+            seen = np.where(inside, predicted[0, i, j], np.nan)
+            for key, value in agreement(reference[output], seen, cases.subjects).items():
+                figures[key][i, j] = value
+            figures["coverage_95"][i, j] = _coverage(reference[output], *predicted[1:, i, j])
+    variables: dict[str, tuple] = {
+        "reference": (("output", "case"), np.array([reference[name] for name in outputs])),
+        "prediction": ((*dims, "case"), predicted[0]),
+        "low": ((*dims, "case"), predicted[1], {"long_name": "lower end of the 95 % interval"}),
+        "high": ((*dims, "case"), predicted[2], {"long_name": "upper end of the 95 % interval"}),
+        "units": ("output", np.array(list(outputs.values()), dtype=str)),
+        "inside": ("case", inside, {"long_name": "inside of the ranges of the parameters"}),
+        "outside": ("case", np.array(why, dtype=str), {"long_name": "what lies outside"}),
+        "coverage_95": (dims, figures.pop("coverage_95"), {
+            "long_name": "share of the reference values inside the 95 % intervals"}),
+        **{name: (dims, values, {"long_name": FIGURES[name][0]})
+           for name, values in figures.items()}}
+    if cases.subjects is not None:
+        variables["subject"] = ("case", cases.words("subject"))
+    variables |= {f"at_{name}": ("case", values, {"long_name": space[name].description or name,
+                                                  "units": space[name].unit})
+                  for name, values in columns.items()}
+    return xr.Dataset(variables, {"model": names, "output": list(outputs),
+                                  "case": np.array(cases.labels, dtype=str)},
+                      {"cases": cases.name, "definitions": DEFINITIONS, "notes": "\n".join(notes),
+                       "confidence": CONFIDENCE})
+
+
+def _coverage(reference: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
+    known = np.isfinite(reference) & np.isfinite(low) & np.isfinite(high)
+    held = (low <= reference) & (reference <= high)
+    return float(held[known].mean()) if known.any() else np.nan
