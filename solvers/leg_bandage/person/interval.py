@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.person.laplace import shape_error
 from solvers.leg_bandage.person.reduced import Reduced
+from solvers.leg_bandage.person.shape import shape_law
 
 CONFIDENCE = 0.95
 FRICTIONS = 41
@@ -29,32 +29,40 @@ class Part:
     meaning: str
 
 
-def parts_of(reduced: Reduced, inputs: dict[str, float],
+def parts_of(reduced: Reduced, inputs: dict[str, float], factor: float | None,
              mu_range: tuple[float, float] | None) -> tuple[Part, ...]:
-    """Surrogate, shape of the leg, and friction where it is unknown and the study varies it."""
-    coded = reduced.coded(inputs)
+    """Surrogate, shape of the leg, and friction where it is unknown and the study varies it.
+
+    factor: by which the shape law has corrected the reduced model's pressure; None if it has not.
+    """
+    coded, scale = reduced.coded(inputs), 1.0 if factor is None else factor
     value = float(reduced.at_b1.predict(coded)[0])
     low, high = (float(end[0]) for end in reduced.at_b1.interval(coded, CONFIDENCE))
-    missed = shape_error(CONFIDENCE)
-    found = [
-        Part("surrogate", low - value, high - value,
-             f"what {reduced.count} runs leave open; 95 %"),
-        Part("leg shape", -missed * value, missed * value,
-             f"what the shape modes miss of a leg: {missed:.1%} of the pressure on the validation "
-             "legs, by Laplace's law; 95 %")]
+    found = [Part("surrogate", scale * (low - value), scale * (high - value),
+                  f"what {reduced.count} runs leave open; 95 %"),
+             _shape(scale * value, corrected=factor is not None)]
     if mu_range is not None and "mu_skin" in reduced.names:
-        found.append(_friction(reduced, inputs, value, mu_range))
+        found.append(_friction(reduced, inputs, scale, value, mu_range))
     return tuple(found)
 
 
-def _friction(reduced: Reduced, inputs: dict[str, float], value: float,
+def _shape(value: float, corrected: bool) -> Part:
+    law = shape_law()
+    missed = law.error(corrected, CONFIDENCE)
+    after = "after the correction by Laplace's law " if corrected else ""
+    return Part("leg shape", -missed * value, missed * value,
+                f"what the shape modes miss of a leg {after}is {missed:.1%} of the pressure or "
+                f"less on {len(law.missed)} validation legs, by finite elements; 95 %")
+
+
+def _friction(reduced: Reduced, inputs: dict[str, float], scale: float, value: float,
               mu_range: tuple[float, float]) -> Part:
     """From the lowest to the highest pressure over the range: all of it, not 95 %."""
     column = np.linspace(*mu_range, FRICTIONS)
     pressures = reduced.at_b1.predict(reduced.coded({**inputs, "mu_skin": column}))
     low, high = mu_range
-    return Part("friction", min(float(pressures.min()) - value, 0.0),
-                max(float(pressures.max()) - value, 0.0),
+    return Part("friction", scale * min(float(pressures.min()) - value, 0.0),
+                scale * max(float(pressures.max()) - value, 0.0),
                 f"mu_skin anywhere between {low:g} and {high:g}; give --mu-skin to leave it out")
 
 

@@ -10,7 +10,14 @@ from markupsafe import Markup
 
 from solvers.leg_bandage.person import summary
 from solvers.leg_bandage.person.prediction import Prediction
-from solvers.leg_bandage.person.surface import STOPS, Surface, pressure_on, surface_of
+from solvers.leg_bandage.person.surface import (
+    BARE,
+    BARE_UNDER,
+    STOPS,
+    Surface,
+    pressure_on,
+    surface_of,
+)
 from solvers.leg_bandage.person.views import answers_drawn, colour_bar, four_sides
 from solvers.leg_bandage.scan.page import render
 
@@ -37,8 +44,8 @@ def _field_words(told: Prediction) -> str:
         return (f"by the finite element model on mesh {told.solved.mesh}, on the scan's own "
                 "sections")
     fit = told.reduced.field
-    return (f"by the reduced model; places of left-out runs were missed by {fit.rmse:.1f} mmHg "
-            "(RMS over the whole skin, edges of the bandage included)")
+    return (f"by the reduced model on the leg of the shape modes; it missed left-out runs by "
+            f"{fit.rmse:.1f} mmHg (RMS over the skin, edges of the bandage included)")
 
 
 def _table(told: Prediction) -> list[tuple[str, list[str]]]:
@@ -57,4 +64,5 @@ def _data(told: Prediction, surface: Surface) -> dict[str, Any]:
             "rim": np.round(surface.rim - middle, 1).tolist() if len(surface.rim) else [],
             "value": round(told.solved.value if told.solved else told.value, 1),
             "ticks": surface.ticks.tolist(), "stops": STOPS.tolist(),
+            "bare": BARE.tolist(), "bareUnder": BARE_UNDER,
             "mirrored": surface.mirrored}

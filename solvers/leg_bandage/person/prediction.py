@@ -1,7 +1,7 @@
 """`predict_pressure`: the pressure under a bandage on the leg of a scan, three ways.
 
-By the reduced model on the leg that the shape modes make of the scan, with an interval;
-by Laplace's law on the scan's own sections; if asked, by the finite element model on them.
+By the reduced model on the leg that the shape modes make of the scan, corrected to the
+scan's own sections, with an interval; by Laplace's law; if asked, by the finite element model.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 
 from solvers.leg_bandage.leg import Leg
 from solvers.leg_bandage.person.interval import Part, joined, parts_of
-from solvers.leg_bandage.person.laplace import pressure_by_laplace
 from solvers.leg_bandage.person.reduced import Reduced
+from solvers.leg_bandage.person.shape import by_laplace_if_it_can, shape_law
 from solvers.leg_bandage.person.wear import Wear
 from solvers.leg_bandage.plugin import LegBandage
 from solvers.leg_bandage.scan import FittedScan
@@ -50,7 +50,9 @@ class Solved:
 class Prediction:
     """The pressure at B1 on a person's leg.
 
-    value, low, high  mmHg, by the reduced model, with its 95 % interval
+    value, low, high  mmHg, by the reduced model on the scan's own sections, 95 % interval
+    on_modes          mmHg, by the reduced model on the leg of the shape modes
+    factor            value / on_modes (see shape.py); None where Laplace's law has no answer
     parts             what the interval is made of
     inputs            of the reduced model
     outside           name -> (value, low, high) of inputs beyond the runs it is learnt from
@@ -66,6 +68,8 @@ class Prediction:
     value: float
     low: float
     high: float
+    on_modes: float
+    factor: float | None
     parts: tuple[Part, ...]
     inputs: Mapping[str, float]
     outside: Mapping[str, tuple[float, float, float]]
@@ -81,21 +85,27 @@ class Prediction:
 
     def skin(self) -> Skin:
         """Pressure all over the skin: solved if it was, else the reduced model's."""
-        return self.solved.skin if self.solved else Skin(*self.reduced.skin_pressure(self.inputs))
+        if self.solved:
+            return self.solved.skin
+        return Skin(*self.reduced.skin_pressure(self.inputs))
 
 
 def predict_pressure(scan: FittedScan, worn: Wear, reduced: Reduced,
                      mesh: str | None = None) -> Prediction:
     """The pressure at B1; mesh: of the finite element model to solve beside, None for none."""
     inputs = reduced.inputs(coordinates(scan), worn)
-    value = float(reduced.at_b1.predict(reduced.coded(inputs))[0])
-    parts = parts_of(reduced, inputs, worn.mu_range)
+    laplace = {name: by_laplace_if_it_can(leg, worn.effective_tension)
+               for name, leg in (("scanned", scan.scanned), ("fitted", scan.leg))}
+    factor = shape_law().factor(laplace)
+    on_modes = float(reduced.at_b1.predict(reduced.coded(inputs))[0])
+    value = on_modes if factor is None else factor * on_modes
+    parts = parts_of(reduced, inputs, factor, worn.mu_range)
     outside = reduced.outside(inputs)
     solved, unsolved = _solved(scan.scanned, worn, mesh)
     return Prediction(
-        scan, worn, reduced, value, *joined(value, parts), parts, inputs, outside,
-        {"scanned": _laplace(scan.scanned, worn), "fitted": _laplace(scan.leg, worn)}, solved,
-        unsolved, tuple(_notes(worn, reduced, outside, solved, unsolved)))
+        scan, worn, reduced, value, *joined(value, parts), on_modes, factor, parts, inputs,
+        outside, laplace, solved, unsolved,
+        tuple(_notes(worn, reduced, factor, outside, solved, unsolved)))
 
 
 def coordinates(scan: FittedScan) -> dict[str, float]:
@@ -124,19 +134,20 @@ def _solved(leg: Leg, worn: Wear, mesh: str | None) -> tuple[Solved | None, str]
         return None, str(error)
 
 
-def _laplace(leg: Leg, worn: Wear) -> float | None:
-    try:
-        return pressure_by_laplace(leg, worn.effective_tension)
-    except SolverError:
-        return None
-
-
-def _notes(worn: Wear, reduced: Reduced, outside: Mapping[str, tuple[float, float, float]],
-           solved: Solved | None, unsolved: str):
+def _notes(worn: Wear, reduced: Reduced, factor: float | None,
+           outside: Mapping[str, tuple[float, float, float]], solved: Solved | None, unsolved: str):
     if outside:
         yield (f"The reduced model extrapolates: {_beyond(outside)}. Chassagne et al. 2018 "
                "discarded such legs; Laplace's law and --solve, on the scan's own sections, are "
                "the better word here.")
+    if factor is None:
+        yield ("Laplace's law has no answer at B1 for this leg, so the reduced model's pressure is "
+               "that of the leg of the shape modes, uncorrected.")
+    else:
+        yield (f"The reduced model's pressure on the leg of the shape modes is multiplied by "
+               f"{factor:.3f}, Laplace's law on the scan's own sections over that on the modes, to "
+               f"the power {shape_law().exponent:.2f}, which finite elements on validation legs "
+               "gave.")
     if worn.mu_range is None:
         yield f"mu_skin {worn.mu_skin:g} is taken as known: the interval has no part for it."
     if worn.stretch != 1.3 and "stretch" not in reduced.names:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from solvers.leg_bandage.person.interval import CONFIDENCE
 from solvers.leg_bandage.person.prediction import Prediction
 from solvers.leg_bandage.scan.summary import figures as scan_figures
 
 Row = tuple[str, str, str, str]
+OWN, MODES = "scan's own sections", "leg of the shape modes"
 
 
 def figures(told: Prediction) -> dict[str, Any]:
@@ -19,7 +21,9 @@ def figures(told: Prediction) -> dict[str, Any]:
         "bandage": {**asdict(told.worn), "K1": told.worn.constant,
                     "effective_tension": told.worn.effective_tension},
         "pressure_b1": {"value": told.value, "low": told.low, "high": told.high,
-                        "confidence": 0.95, "parts": [asdict(part) for part in told.parts]},
+                        "confidence": CONFIDENCE, "on_modes": told.on_modes,
+                        "shape_factor": told.factor,
+                        "parts": [asdict(part) for part in told.parts]},
         "surrogate": {"study": told.reduced.study.name, "runs": told.reduced.count,
                       "q2": fit.q2, "rmse": fit.rmse, "inputs": dict(told.inputs)},
         "extrapolates": told.extrapolates,
@@ -34,12 +38,16 @@ def figures(told: Prediction) -> dict[str, Any]:
 
 def answers(told: Prediction) -> list[Row]:
     """How, mmHg, 95 % interval, on which leg."""
+    beyond = ", EXTRAPOLATED" if told.extrapolates else ""
+    corrected = told.factor is not None
     rows = [("reduced model", f"{told.value:.1f}", f"{told.low:.1f} .. {told.high:.1f}",
-             "leg of the shape modes" + (", EXTRAPOLATED" if told.extrapolates else ""))]
+             (OWN if corrected else MODES) + beyond)]
+    if corrected:
+        rows.append(("reduced model", f"{told.on_modes:.1f}", "", MODES + beyond))
     if told.solved:
         rows.append((f"finite elements, {told.solved.mesh}", f"{told.solved.value:.1f}", "",
-                     f"scan's own sections; {told.solved.seconds:.0f} s"))
-    for leg, words in (("scanned", "scan's own sections"), ("fitted", "leg of the shape modes")):
+                     f"{OWN}; {told.solved.seconds:.0f} s"))
+    for leg, words in (("scanned", OWN), ("fitted", MODES)):
         value = told.laplace[leg]
         rows.append(("Laplace's law", "none" if value is None else f"{value:.1f}", "", words))
     return rows

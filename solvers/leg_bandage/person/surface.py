@@ -19,6 +19,9 @@ STOPS = np.array([[253, 231, 37], [149, 204, 83], [53, 163, 121], [38, 110, 142]
                   [68, 1, 84]])
 """Light to dark, so that it reads in black and white: viridis backwards (Smith, van der Walt)."""
 
+BARE, BARE_UNDER = np.array([222, 224, 228]), 1.0
+"""Colour of skin that is pressed by less than so many mmHg."""
+
 SIDES = ("outside", "front", "inside", "back")
 """Where theta is 0, 90, 180, 270 degrees."""
 
@@ -77,4 +80,5 @@ def pressure_on(skin: Skin, theta: np.ndarray, height: np.ndarray) -> np.ndarray
 def colours(pressure: np.ndarray, top: float) -> np.ndarray:
     """(..., 3) of 0 to 255, for pressures between 0 and top mmHg."""
     place = np.clip(pressure / top, 0, 1) * (len(STOPS) - 1)
-    return np.stack([np.interp(place, np.arange(len(STOPS)), stop) for stop in STOPS.T], axis=-1)
+    mixed = np.stack([np.interp(place, np.arange(len(STOPS)), stop) for stop in STOPS.T], axis=-1)
+    return np.where(pressure[..., None] < BARE_UNDER, BARE, mixed)

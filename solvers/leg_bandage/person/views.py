@@ -10,8 +10,8 @@ from solvers.leg_bandage.person.prediction import Prediction
 from solvers.leg_bandage.person.surface import RAYS, SIDES, STOPS, Surface, colours
 from solvers.leg_bandage.scan.drawing import ticks
 
-EVERY = 3
-"""Of the levels and rays, in pictures: their facets are still 8 mm or less."""
+EVERY = 2
+"""Of the levels and rays, in pictures: their facets are still some 6 mm."""
 
 
 def four_sides(surface: Surface, size: int = 190) -> list[tuple[str, str]]:
@@ -90,14 +90,14 @@ def answers_drawn(told: Prediction, width: int = 400) -> str:
     lines += [(f"{part.name} alone", None, told.value + part.low, told.value + part.high, "part")
               for part in told.parts]
     if told.solved:
-        lines.append((f"finite elements, {told.solved.mesh}", told.solved.value, None, None, "dot"))
+        lines.append(("finite elements", told.solved.value, None, None, "dot"))
     lines += [(f"Laplace, {words}", told.laplace[leg], None, None, "hollow")
-              for leg, words in (("scanned", "scan"), ("fitted", "shape modes"))
+              for leg, words in (("scanned", "scan"), ("fitted", "modes"))
               if told.laplace[leg] is not None]
     numbers = [x for _, *three, _ in lines for x in three if x is not None]
     spread = max(numbers) - min(numbers) or 1.0
     low, high = max(min(numbers) - 0.06 * spread, 0.0), max(numbers) + 0.06 * spread
-    left, row, bottom = 142, 26, 10 + 26 * len(lines)
+    left, row, bottom = 122, 26, 10 + 26 * len(lines)
 
     def across(x):
         return left + (x - low) / (high - low) * (width - left - 22)

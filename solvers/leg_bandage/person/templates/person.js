@@ -86,9 +86,10 @@ function paint(pen) {
     const band = Math.floor(pressure[at] / step);
     const line = [at + 1, at + width].some(other => other < depth.length && light[other] > 0.3 &&
       depth[other] > depth[at] - 8 && Math.floor(pressure[other] / step) !== band);
+    const bare = pressure[at] < data.bareUnder;
     const veil = line ? 0.55 : 0, ink = pressure[at] > 0.5 * top_ ? 255 : 0;
     for (let c = 0; c < 3; c++)
-      out[4 * at + c] = (1 - veil) * palette[k + c] * tone + veil * ink;
+      out[4 * at + c] = (1 - veil) * (bare ? data.bare[c] : palette[k + c]) * tone + veil * ink;
     out[4 * at + 3] = 255;
   }
   pen.putImageData(picture, 0, 0);
