@@ -321,6 +321,6 @@ def json_schema() -> dict[str, Any]:
     schema = StudyPart.model_json_schema(mode="validation")
     for name, short in _SHORT_FORMS.items():
         schema["$defs"][name] = {"anyOf": [schema["$defs"][name], short]}
-    train = {"anyOf": [{"type": "array", "items": {"type": "string"}}, {"type": "string"}]}
-    schema["$defs"]["SurrogatePart"]["anyOf"][0]["properties"]["train"].update(train)
+    taken = schema["$defs"]["SurrogatePart"]["anyOf"][0]["properties"]["train"]
+    taken["anyOf"] = [{"type": taken.pop("type"), "items": taken.pop("items")}, {"type": "string"}]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
