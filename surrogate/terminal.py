@@ -154,7 +154,8 @@ def _validation_tables(figures: Mapping[str, Any]) -> list[Any]:
     labels, models = figures["case"]["values"], figures["model"]["values"]
     parts: list[Any] = [f"validation: {len(inside)} cases from {figures['attributes']['cases']}, "
                         f"{inside.count(False)} outside the ranges and set aside"]
-    parts += [f"  {label}: {words}" for label, words in zip(labels, why, strict=True) if words]
+    aside = [f"  {label}: {words}" for label, words in zip(labels, why, strict=True) if words]
+    parts += aside[:10] + [f"  and {len(aside) - 10} more; the page lists all"] * (len(aside) > 10)
     parts += [f"  {note}" for note in figures["attributes"]["notes"].split("\n") if note]
     units = figures["units"]["values"]
     for k, output in enumerate(figures["output"]["values"]):

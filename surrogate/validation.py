@@ -72,7 +72,7 @@ def validate(space: Space, fits: Mapping[str, Mapping[str, Fit]], cases: Cases,
     models     called on the cases' columns, else on the study's constants, else on their
                own nominal values
     fixed      what the study does not vary
-    Cases outside of the parameters' ranges are predicted by nobody but `models`, and no
+    Cases outside of the parameters' ranges are set aside: nobody predicts them, and no
     figure is drawn from them; `inside` and `outside` tell which they are, and why.
 
     Dimensions `case`, `output`, `model`, and a variable for each of
@@ -88,7 +88,7 @@ def validate(space: Space, fits: Mapping[str, Mapping[str, Fit]], cases: Cases,
         answers = {name: {output: _of_fit(by[output], coded, inside)
                           for output in outputs if output in by} for name, by in fits.items()}
     for name, recipe in (models or {}).items():
-        answers[name], said = _of_model(recipe, cases, outputs, fixed or {})
+        answers[name], said = _of_model(recipe, cases, inside, outputs, fixed or {})
         notes += [f"{name}: {words}" for words in said]
     answers = {name: by for name, by in answers.items() if by}
     return _dataset(cases, columns, outputs, reference, answers, inside, why, notes, space)
@@ -124,7 +124,7 @@ def _of_fit(fit: Fit, coded: np.ndarray, inside: np.ndarray) -> np.ndarray:
     return found
 
 
-def _of_model(recipe: Recipe, cases: Cases, outputs: Mapping[str, str],
+def _of_model(recipe: Recipe, cases: Cases, inside: np.ndarray, outputs: Mapping[str, str],
               fixed: Mapping[str, Fixed]) -> tuple[dict[str, np.ndarray], list[str]]:
     """Values of each output that the model has, as (3, case), and what went wrong."""
     columns = cases.inputs(recipe.solver.inputs)
@@ -133,9 +133,10 @@ def _of_model(recipe: Recipe, cases: Cases, outputs: Mapping[str, str],
     values = {name: np.full((3, len(cases.places)), np.nan) for name in outputs
               if name in offered}
     refused: list[str] = []
-    for k, call in enumerate(_calls(recipe, columns, kept, len(cases.places))):
+    asked = _calls(recipe, columns, kept, len(cases.places))
+    for k in np.flatnonzero(inside):
         try:
-            answer = recipe.solver(**call)
+            answer = recipe.solver(**asked[k])
         except Exception as error:  # a model's failure costs its case, whatever it is
             kind = "" if isinstance(error, SolverError) else f"{type(error).__name__}: "
             refused.append(f"{cases.labels[k]} ({kind}{error})")
@@ -164,8 +165,8 @@ def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]
             continue
         values = cases.numbers(name, one.unit, gaps=True)
         if not np.allclose(values, one.value, rtol=1e-9, equal_nan=True):
-            said.append(f"the cases have {name} {np.nanmin(values):.4g} to "
-                        f"{np.nanmax(values):.4g} {one.unit}".rstrip()
+            ends = dict.fromkeys(f"{end(values):.4g}" for end in (np.nanmin, np.nanmax))
+            said.append(f"the cases have {name} {' to '.join(ends)} {one.unit}".rstrip()
                         + f"; the study fixes it at {one.value:.4g}")
     return said
 

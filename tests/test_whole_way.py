@@ -136,6 +136,37 @@ def test_a_renamed_study_takes_its_runs_along(place):
     assert len((place / "log").read_text().splitlines()) == 32
 
 
+def test_a_study_ships_with_its_runs_and_is_validated(place):
+    """store, the line it says to add, check, report and validate without a run; --fresh runs."""
+    (place / "log").touch()
+    command("run", "small.yaml", cwd=place, check=0)
+    said = command("store", "small.yaml", cwd=place, check=0).stdout
+    assert "stored: runs/small.nc" in said.splitlines()
+    (place / "cases.csv").write_text("a,b,y\n0.5,1,3.1\n0.2,0.4,1.5\n0.9,0.1,2.9\n2,1,6\n")
+    more = "stored: runs/small.nc\nvalidation: {cases: cases.csv, models: {same: 'my_solver:Slow'}}"
+    (place / "small.yaml").write_text(SMALL + more)
+    jsonschema.validate(yaml.safe_load(SMALL + more), studyfile.json_schema())
+    away = ("--results", "away")
+    assert "all 32 are stored (32 in runs/small.nc)" in \
+        command("check", "small.yaml", *away, cwd=place, check=0).stdout
+    command("report", "small.yaml", *away, cwd=place, check=0)
+    figures = json.loads((place / "away/small/summary.json").read_text())["validation"]
+    assert figures["n"]["values"] == [[3.0], [3.0]]
+    # y = 1 + 2 a + b^2 in both models: 3, 1.56, 2.81 against 3.1, 1.5, 2.9
+    assert figures["bias"]["values"][0][0] == pytest.approx((-0.1 + 0.06 - 0.09) / 3)
+    said = command("validate", "small.yaml", "--cases", "cases.csv", *away, cwd=place, check=0)
+    assert "1 outside the ranges" in said.stdout and "a 2 (0 to 1)" in said.stdout
+    assert (place / "away/small/validation_cases.nc").exists()
+    calls = len((place / "log").read_text().splitlines())
+    assert calls == 32 + 2 * 3  # the model `same` at three cases, twice
+    command("run", "small.yaml", "--fresh", *away, cwd=place, check=0)
+    assert len((place / "log").read_text().splitlines()) == calls + 32 + 3
+    (place / "my_solver.py").write_text(SOLVER.replace('version = "1"', 'version = "2"'))
+    checked = command("check", "small.yaml", *away, cwd=place, check=0).stdout
+    assert "small.yaml:9:9: no run in 'runs/small.nc' is one of this study's: other version " \
+        "1 -> 2" in checked.replace("\n", " ")
+
+
 def test_gaps_of_an_output_are_no_failures(place):
     """NaN of an output that declares gaps: the run is good, the surrogate learns from the rest."""
     text = SOLVER.replace('"y": Output(unit="mm")', '"y": Output(), "z": Output(gaps=True)')

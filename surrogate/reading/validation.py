@@ -111,8 +111,9 @@ def _models(reading: Reading) -> dict[str, Recipe]:
         if name in reading.part.surrogates:
             reading.wrong(f"'{name}' is also a surrogate; give the model another name", *path,
                           on_key=True)
+        before = len(reading.mistakes)
         recipe, built = solver_of(reading, part, path)
-        if built is not None:
+        if built is not None and len(reading.mistakes) == before:
             models[name] = recipe
     return models
 

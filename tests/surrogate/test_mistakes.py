@@ -1,6 +1,7 @@
 """Mistakes in a study file: each found before the first run, all at once, with its place."""
 
 import re
+from pathlib import Path
 
 import pytest
 
@@ -69,6 +70,26 @@ MISTAKES = {
     "share above one": ("freeze_below: 0.02", "freeze_below: 2", "16:27", "below 1"),
     "duration": ("30 min", "30 mns", "17:34", "write '30 s'"),
     "no worker": ("workers: 2", "workers: 0", "17:22", "at least 1"),
+    "no such cases": ("outputs:", "validation: {cases: legs.csv}\noutputs:", "8:21",
+                      "legs.csv cannot be read .* relative to the study file"),
+    "cases of no kind": ("outputs:", "validation: legs.txt\noutputs:", "8:13",
+                         "must be a CSV file .* or a study"),
+    "validation key": ("outputs:", "validation: {casses: x, cases: CASES.csv}\noutputs:",
+                       "8:14", "did you mean 'cases'"),
+    "validated output": ("outputs:", "validation: {output: flwo, cases: CASES.csv}\noutputs:",
+                         "8:22", "did you mean 'flow'"),
+    "unknown model": ("outputs:", "validation: {models: {a: laplac}, cases: CASES.csv}\noutputs:",
+                      "8:26", "did you mean 'laplace'"),
+    "model option": ("outputs:", "validation: {models: {a: {name: borehole, options: {fine: 1}}}, "
+                     "cases: CASES.csv}\noutputs:", "8:53", "option 'fine' is"),
+    "model key": ("outputs:", "validation: {models: {a: {nam: x, name: borehole}}, "
+                  "cases: CASES.csv}\noutputs:", "8:27", "did you mean 'name'"),
+    "model without the output": (
+        "outputs:", "validation: {models: {a: ishigami}, cases: CASES.csv}\noutputs:", "8:26",
+        "ishigami has no output flow; it has y"),
+    "model called as a surrogate": (
+        "outputs:", "validation: {models: {linear: borehole}, cases: CASES.csv}\noutputs:", "8:23",
+        "'linear' is also a surrogate"),
     "stored and not there": ("outputs:", "stored: runs/demo.nc\noutputs:", "8:9",
                              "runs/demo.nc does not exist; `surrogate store` writes"),
     "one of the stored": ("outputs:", "stored: [runs/demo.nc]\noutputs:", "8:10",
@@ -77,6 +98,13 @@ MISTAKES = {
     "doubled key": ("outputs:", "designs:", "9:1", "stands twice"),
     "tab": ("  rw:", "\trw:", "4:1", "not YAML"),
 }
+
+
+@pytest.fixture(autouse=True)
+def cases(tmp_path, monkeypatch):
+    """Sound cases in the current folder, for mistakes beside them."""
+    monkeypatch.chdir(tmp_path)
+    Path("CASES.csv").write_text("rw,L,Kw,flow\n0.1,1200,10000,70\n0.1,1300,10000,60\n")
 
 
 def mistakes_of(text: str) -> list[str]:

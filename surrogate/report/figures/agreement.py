@@ -17,15 +17,15 @@ def scatter_plot(reference, model, half, labels: Sequence[str], slope: float, na
 
     reference, model (n,), half (n,) of the model's 95 % interval or NaN, labels (n,).
     """
-    reach = np.where(np.isfinite(half), half, 0.0)
-    both = span(reference, model + reach, model - reach)
+    both = span(reference, model, pad=0.1)
     panel = Panel.within(both, both, height=340.0)
     lines = [line(panel.x(both[0]), panel.y(both[0]), panel.x(both[1]), panel.y(both[1]),
                   "reference")]
     if np.isfinite(slope) and slope != 0.0:
         ends = np.clip(np.sort(np.array(both) / slope), *both)
         lines.append(path(zip(panel.x(ends), panel.y(slope * ends), strict=True), "curve"))
-    bars = [line(panel.x(x), panel.y(y - h), panel.x(x), panel.y(y + h), "bar")
+    bars = [line(panel.x(x), *panel.y(np.clip([y - h], *both)), panel.x(x),
+                 *panel.y(np.clip([y + h], *both)), "bar")
             for x, y, h in zip(reference, model, half, strict=True) if np.isfinite(h)]
     marks = [mark("filled", panel.x(x), panel.y(y), data_tip=_tip(label, x, y, unit))
              for x, y, label in zip(reference, model, labels, strict=True)]

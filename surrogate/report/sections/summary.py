@@ -12,6 +12,7 @@ from surrogate.report.sections.accuracy import margin
 from surrogate.report.sections.designs import roman
 from surrogate.report.sections.indices import DECIMALS, of_output, refusal
 from surrogate.report.sections.measures import index, measures_of, method_of, names_of, unit_of
+from surrogate.report.sections.validation import verdicts
 from surrogate.sensitivity.screening import Screening
 
 #: Names written out in a sentence.
@@ -46,6 +47,9 @@ def _facts(content: Content) -> list[Fact]:
             facts.append(_best(content, output, suffix))
         if of_output(content, output) is not None:
             facts.append(_matters(content, output, suffix))
+    if content.validation is not None:
+        facts += [Fact("Closest to cases not seen" + (f": {output}" if several else ""), *words)
+                  for output, *words in verdicts(content)]
     if content.screening is not None:
         facts.append(_frozen(content.screening))
     return facts

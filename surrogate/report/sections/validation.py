@@ -24,13 +24,14 @@ from surrogate.report.figures.agreement import difference_plot, scatter_plot
 
 #: From this many models on, drawings of all but the first ones are folded.
 SHOWN = 4
-HEADS = ("model", "cases", "slope", "R²", "r²", "mean error (%)", "RMSE", "bias",
-         "lower limit of agreement", "upper limit of agreement", "in its 95 % intervals")
+HEADS = ("model", "cases", "slope", "R² (1 − SSE/SST)", "R² (correlation)", "mean error (%)",
+         "RMSE", "bias", "lower limit of agreement", "upper limit of agreement",
+         "in its 95 % intervals")
 WITH_UNIT = ("RMSE", "bias", "lower limit of agreement", "upper limit of agreement")
 MEANING = (
-    "Slope: of the regression through the origin, reference on x, model on y. R² = 1 − SSE / SST "
+    "Slope: of the regression through the origin, reference on x, model on y. R² as 1 − SSE/SST "
     "compares the errors of the model as it stands with the scatter of the reference about its "
-    "mean; it is negative when the mean would do better. r² is the squared correlation, blind to "
+    "mean; it is negative when the mean would do better. R² as squared correlation is blind to "
     "scale and offset. Errors are model minus reference; mean error: their mean in percent of "
     "each reference; bias: their mean; limits of agreement: bias ∓ 1.96 standard deviations, "
     "between which 95 % of differences are expected (Bland and Altman 1986). Intervals of the "
@@ -59,14 +60,34 @@ def _cases(data: xr.Dataset) -> str:
     if inside.all():
         words += ", all inside the ranges of the study's parameters."
     else:
-        words += (f", of which {int((~inside).sum())} lie outside the ranges of the study's "
-                  "parameters and are set aside: no figure is drawn from them.")
+        words += (f"; {int((~inside).sum())} of them outside the ranges of the study's parameters "
+                  "and set aside: no figure is drawn from there.")
     if "subject" in data:
         subjects = len(np.unique(data["subject"].values[inside]))
         words += (f" They come from {digits.quantity(subjects, 'subject')}; limits of agreement "
                   "count the scatter within and between subjects, the interval of the slope "
                   "takes all cases for independent.")
     return words
+
+
+def verdicts(content: Content) -> list[tuple[str, str, str]]:
+    """(output, the closest model in a few words, how close) of each output with figures."""
+    found = []
+    for output in content.validation["output"].values.astype(str):
+        data = content.validation.sel(output=output)
+        names = [name for name in data["model"].values.astype(str)
+                 if np.isfinite(data["lower_limit"].sel(model=name))]
+        if names:
+            best = min(names, key=lambda name: float(data["rmse"].sel(model=name)))
+            row = {key: float(data[key].sel(model=best)) for key in
+                   ("bias", "lower_limit", "upper_limit", "n")}
+            unit = str(data["units"].item())
+            limits = digits.interval(row["lower_limit"], row["upper_limit"])
+            bias = digits.with_unit(digits.figure(row["bias"], 2), unit)
+            found.append((output, f"{best}, bias {bias}", (
+                f"95 % of its differences from {content.validation.attrs['cases']} are expected "
+                f"at {digits.with_unit(limits, unit)} ({row['n']:.0f} cases).")))
+    return found
 
 
 def _aside(data: xr.Dataset, rows: np.ndarray) -> Fold:
@@ -136,7 +157,7 @@ def _plots(data: xr.Dataset, name: str, output: str, unit: str) -> list:
     labels = data["case"].values[known].astype(str)
     figures = {str(key): float(value) for key, value in data.data_vars.items() if value.ndim == 0
                and np.issubdtype(value.dtype, np.number)}
-    bars = " Bars are its 95 % intervals." if np.isfinite(half).any() else ""
+    bars = " Bars are its 95 % intervals, cut at the frame." if np.isfinite(half).any() else ""
     return [
         (scatter_plot(reference, model, half, labels, figures["slope"], name, output, unit),
          f"{name} over the reference. Dashed: equality; solid: regression through the "
