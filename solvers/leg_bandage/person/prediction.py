@@ -7,11 +7,12 @@ scan's own sections, with an interval; by Laplace's law; if asked, by the finite
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from solvers.leg_bandage.bandages import STRETCH
 from solvers.leg_bandage.leg import Leg
 from solvers.leg_bandage.person.interval import Part, joined, parts_of
 from solvers.leg_bandage.person.reduced import Reduced
@@ -59,7 +60,6 @@ class Prediction:
     laplace           mmHg by Laplace's law on the `scanned` and the `fitted` leg; None without B1
     solved            None unless asked for
     unsolved          why the finite element model has no answer; empty if it has, or was not asked
-    notes             sentences on what the numbers do and do not say
     """
 
     scan: FittedScan
@@ -76,12 +76,16 @@ class Prediction:
     laplace: Mapping[str, float | None]
     solved: Solved | None
     unsolved: str
-    notes: tuple[str, ...]
 
     @property
     def extrapolates(self) -> bool:
         """Whether the reduced model is asked beyond its runs."""
         return bool(self.outside)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Sentences on what the numbers do and do not say."""
+        return tuple(_notes(self))
 
     def skin(self) -> Skin:
         """Pressure all over the skin: solved if it was, else the reduced model's."""
@@ -104,8 +108,7 @@ def predict_pressure(scan: FittedScan, worn: Wear, reduced: Reduced,
     solved, unsolved = _solved(scan.scanned, worn, mesh)
     return Prediction(
         scan, worn, reduced, value, *joined(value, parts), on_modes, factor, parts, inputs,
-        outside, laplace, solved, unsolved,
-        tuple(_notes(worn, reduced, factor, outside, solved, unsolved)))
+        outside, laplace, solved, unsolved)
 
 
 def coordinates(scan: FittedScan) -> dict[str, float]:
@@ -134,32 +137,32 @@ def _solved(leg: Leg, worn: Wear, mesh: str | None) -> tuple[Solved | None, str]
         return None, str(error)
 
 
-def _notes(worn: Wear, reduced: Reduced, factor: float | None,
-           outside: Mapping[str, tuple[float, float, float]], solved: Solved | None, unsolved: str):
-    if outside:
-        yield (f"The reduced model extrapolates: {_beyond(outside)}. Chassagne et al. 2018 "
+def _notes(told: Prediction) -> Iterator[str]:
+    worn = told.worn
+    if told.outside:
+        yield (f"The reduced model extrapolates: {_beyond(told.outside)}. Chassagne et al. 2018 "
                "discarded such legs; Laplace's law and --solve, on the scan's own sections, are "
                "the better word here.")
-    if factor is None:
+    if told.factor is None:
         yield ("Laplace's law has no answer at B1 for this leg, so the reduced model's pressure is "
                "that of the leg of the shape modes, uncorrected.")
     else:
         yield (f"The reduced model's pressure on the leg of the shape modes is multiplied by "
-               f"{factor:.3f}, Laplace's law on the scan's own sections over that on the modes, to "
-               f"the power {shape_law().exponent:.2f}, which finite elements on validation legs "
-               "gave.")
+               f"{told.factor:.3f}, Laplace's law on the scan's own sections over that on the "
+               f"modes, to the power {shape_law().exponent:.2f}, which finite elements on "
+               "validation legs gave.")
     if worn.mu_range is None:
         yield f"mu_skin {worn.mu_skin:g} is taken as known: the interval has no part for it."
-    if worn.stretch != 1.3 and "stretch" not in reduced.names:
-        yield (f"The runs are at stretch 1.3. Stretch {worn.stretch:g} reaches them as the tension "
-               f"K1 (stretch - 1) = {worn.effective_tension:.4f} N/mm, K1 = {worn.constant:.4f} "
-               "N/mm (Chassagne et al. 2018, equation 10): a straight line for the bandage, and "
-               "a loss of stretch on the leg as at 1.3.")
-    if solved:
+    if worn.stretch != STRETCH and "stretch" not in told.inputs:
+        yield (f"The runs are at stretch {STRETCH:g}. Stretch {worn.stretch:g} reaches them as "
+               f"the tension K1 (stretch - 1) = {worn.effective_tension:.4f} N/mm, K1 = "
+               f"{worn.constant:.4f} N/mm (Chassagne et al. 2018, equation 10): a straight line "
+               f"for the bandage, and a loss of stretch on the leg as at {STRETCH:g}.")
+    if told.solved:
         yield ("The finite element value is one run on the scan's own sections, with mu_skin "
                f"{worn.mu_skin:g}: it has no interval of its own.")
-    if unsolved:
-        yield f"The finite element model has no answer for this leg: {unsolved}."
+    if told.unsolved:
+        yield f"The finite element model has no answer for this leg: {told.unsolved}."
     yield ("No interval here holds the bandager's hand (stretch, overlap), the assumed constants "
            "of the fabric, or how far the finite element model is from a measured pressure: "
            "9.7 % on the average in Chassagne et al. 2018.")

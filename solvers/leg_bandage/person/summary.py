@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from solvers.leg_bandage.bandages import STRETCH
 from solvers.leg_bandage.person.interval import CONFIDENCE
 from solvers.leg_bandage.person.prediction import Prediction
 from solvers.leg_bandage.scan.summary import figures as scan_figures
@@ -76,8 +77,10 @@ def coordinate_rows(told: Prediction) -> list[Row]:
 def worn_words(told: Prediction) -> str:
     """The bandage in a line."""
     worn = told.worn
-    name = worn.bandage or f"bandage of {worn.tension:g} N/mm at stretch 1.3"
-    friction = f"mu_skin {worn.mu_skin:g}" + ("" if worn.mu_range is None else
-                                              " (not known: {:g} to {:g})".format(*worn.mu_range))
-    return (f"{name}, stretch {worn.stretch:g}: tension {worn.effective_tension:.4f} N/mm, two "
-            f"layers; {friction}")
+    words = f"{worn.bandage or 'bandage'} of {worn.tension:.4g} N/mm at stretch {STRETCH:g}"
+    if worn.stretch != STRETCH:
+        words += f", laid at stretch {worn.stretch:g}: {worn.effective_tension:.4g} N/mm"
+    words += f"; two layers; mu_skin {worn.mu_skin:g}"
+    if worn.mu_range is not None:
+        words += " (not known: {:g} to {:g})".format(*worn.mu_range)
+    return words
