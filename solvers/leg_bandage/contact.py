@@ -27,6 +27,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from solvers.leg_bandage.candidates import Candidates
 from solvers.leg_bandage.friction import ContactLaw
 
 
@@ -97,16 +98,13 @@ class Contact:
     """Points against one surface, as a mechanical part with a fixed pattern.
 
     X (nodes, 3) are the positions at zero displacement (kept by reference); `offset`
-    (n,) is the distance at which the gap is zero. `margin` in cells is how far a
-    projection may wander into a neighbouring cell before the pattern has to grow.
+    (n,) is the distance at which the gap is zero.
     """
 
-    def __init__(self, points: Points, surface, X, xi, offset, law: ContactLaw, margin=0.2):
+    def __init__(self, points: Points, surface, X, xi, offset, law: ContactLaw):
         self.points, self.surface, self.X, self.law = points, surface, X, law
         self.offset = np.asarray(offset, float)
-        self.margin = margin
         self.current = ContactState(xi.copy(), xi.copy(), np.zeros((len(xi), 3)))
-        self.cells = surface.cell(xi)
         self.rebuild()
 
     # -- the Part protocol -------------------------------------------------------------
@@ -147,7 +145,7 @@ class Contact:
             residual[c::3] = np.bincount(
                 nodes.ravel(), share.ravel(), minlength=u.size // 3
             )
-        return residual, self._assemble(k["xi"], weights, tangent)
+        return residual, self.candidates.assemble(k["xi"], weights, tangent)
 
     # -- load steps --------------------------------------------------------------------
 
@@ -301,62 +299,5 @@ class Contact:
 
     def rebuild(self):
         """Lay out the pattern around the present projections; rows and cols change."""
-        n = len(self.points.area)
-        xi = self.current.xi
-        corners = np.array([(0, 0), (-1, -1), (-1, 1), (1, -1), (1, 1)]) * self.margin
-        windows = [self.surface.cell(xi + shift) for shift in corners]
-        count = int(self.points.nodes.max()) + 1
-        if self.surface.cell_nodes(windows[0][:1]).size:
-            count = max(count, int(max(self.surface.cell_nodes(w).max() for w in windows)) + 1)
-        self._count = count
-        keys = []
-        for w, window in enumerate(windows):
-            new = np.ones(n, bool) if w == 0 else (window != windows[0]).any(axis=1)
-            keys.append(np.unique(self._pair_keys(new, window[new])))
-        self._keys = np.unique(np.concatenate(keys))
-        row, col = self._keys // count, self._keys % count
-        c, d = np.divmod(np.arange(9), 3)
-        self.rows = (3 * row[:, None] + c).ravel().astype(np.int32)
-        self.cols = (3 * col[:, None] + d).ravel().astype(np.int32)
-        self.cells = windows[0]
-        self._place = self._find(np.ones(n, bool), self.cells)
-
-    def _pair_keys(self, which, cells):
-        nodes = np.hstack([self.points.nodes[which], self.surface.cell_nodes(cells)])
-        return (nodes[:, :, None].astype(np.int64) * self._count + nodes[:, None, :]).ravel()
-
-    def _find(self, which, cells):
-        keys = self._pair_keys(which, cells)
-        place = np.minimum(np.searchsorted(self._keys, keys), len(self._keys) - 1)
-        if not np.array_equal(self._keys[place], keys):
-            return None
-        return place.reshape(int(which.sum()), -1)
-
-    def _lookup(self, cells):
-        """Bring the places of moved points up to date; False when the pattern is too small."""
-        moved = (cells != self.cells).any(axis=1)
-        if moved.any():
-            place = self._find(moved, cells[moved])
-            if place is None:
-                return False
-            self._place[moved] = place
-            self.cells = cells
-        return True
-
-    def _assemble(self, xi, weights, tangent):
-        if not self._lookup(self.surface.cell(xi)):
-            raise PatternLeft
-        count, size = len(self._keys), len(weights)
-        blocks = tangent.reshape(size, 3, 3, 3, 3)
-        values = np.empty((count, 9))
-        place = self._place.ravel()
-        left = np.ascontiguousarray(weights.transpose(0, 2, 1))
-        for c in range(3):
-            for d in range(3):
-                block = left @ np.ascontiguousarray(blocks[:, :, c, :, d]) @ weights
-                values[:, 3 * c + d] = np.bincount(place, block.ravel(), minlength=count)
-        return values.ravel()
-
-
-class PatternLeft(Exception):
-    """A projection left the candidate pattern: `rebuild` it and analyse again."""
+        self.candidates = Candidates(self.points.nodes, self.surface, self.current.xi)
+        self.rows, self.cols = self.candidates.rows, self.candidates.cols

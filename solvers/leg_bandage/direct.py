@@ -64,6 +64,11 @@ class DirectSolver:
             raise SolverError(_singular("the solution is not finite"))
         return answer
 
+    def rough(self, rhs: np.ndarray) -> np.ndarray:
+        """The factors applied once to a right-hand side (n,), unrefined: a preconditioner."""
+        scale = np.abs(rhs).max() or 1.0
+        return scale * self._factors[self._precision].solve(rhs / scale).astype(float)
+
     def _refined(self, rhs: np.ndarray) -> tuple[np.ndarray, float]:
         """Solution and what is left of the right-hand side, as a share of it."""
         size = np.abs(rhs).max()

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 from threadpoolctl import ThreadpoolController
 
-from solvers.leg_bandage.direct import DirectSolver, with_values
+from solvers.leg_bandage.direct import with_values
+from solvers.leg_bandage.lagged import LaggedSolver
 
 # Dense products split over threads differ in their last digits; parts are fast on one.
 DENSE = ThreadpoolController().select(internal_api="openblas")
@@ -51,12 +52,12 @@ class System:
         rows = number[np.concatenate([part.rows for part in self.parts])]
         cols = number[np.concatenate([part.cols for part in self.parts])]
         pattern, self._slots = compress(rows, cols, len(self.free))
-        self.factors = DirectSolver(solver, pattern)
+        self.factors = LaggedSolver(solver, pattern)
 
     def linearise(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Sum of the parts' residuals (n_dofs,) and of their tangents, the latter kept packed.
 
-        Give the second value to `factorise` or to `matrix`. The digits do not depend on the
+        Give the second value to `solve` or to `matrix`. The digits do not depend on the
         number of threads.
         """
         with DENSE.limit(limits=1):
@@ -65,14 +66,13 @@ class System:
         packed = np.bincount(self._slots, values, minlength=self.factors.pattern.nnz + 1)[:-1]
         return sum(residual for residual, _ in answers), packed
 
-    def factorise(self, packed: np.ndarray) -> None:
-        """Factorise the tangent that `linearise` packed."""
-        self.factors.factorise(packed)
+    def solve(self, packed: np.ndarray, rhs: np.ndarray) -> np.ndarray:
+        """Solution (n_dofs,) of tangent x = rhs with x = 0 on the fixed dofs.
 
-    def solve(self, rhs: np.ndarray) -> np.ndarray:
-        """Solution (n_dofs,) of tangent x = rhs with x = 0 on the fixed dofs."""
+        packed is the tangent of `linearise`. Raises SolverError when it is singular.
+        """
         answer = np.zeros(self.n_dofs)
-        answer[self.free] = self.factors.solve(rhs[self.free])
+        answer[self.free] = self.factors.solve(packed, rhs[self.free])
         return answer
 
     def matrix(self, packed: np.ndarray) -> csc_array:

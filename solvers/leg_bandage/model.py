@@ -139,15 +139,16 @@ def build(
     if ends.free == "held":
         last = count + np.arange(strip.ns * (strip.nw + 2), strip.size)
         fixed = np.concatenate([fixed, (3 * last[:, None] + np.arange(3)).ravel()])
+    area = _nodal_area(leg, strip, laid, X)
     problem = Problem(
         inner=[tissue],
         contacts=[skin, layers],
         others=[shell],
-        viscosity=Viscosity(_nodal_area(leg, strip, laid, X)),
+        viscosity=Viscosity(area),
         fixed=fixed,
         ndof=X.size,
         solver=solver,
-        tolerances=tolerances or Tolerances(),
+        tolerances=tolerances or Tolerances.on_mesh(float(area[count:].mean())),
     )
     return Model(leg, strip, laid, wrap, X, shell, tissue, skin, layers, problem, points)
 

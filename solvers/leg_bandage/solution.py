@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solvers.leg_bandage.contact import Contact, PatternLeft
+from solvers.leg_bandage.candidates import PatternLeft
+from solvers.leg_bandage.contact import Contact
 from solvers.leg_bandage.linear import System
 from surrogate.errors import SolverError
 
@@ -25,7 +26,7 @@ class Tolerances:
     """When a state counts as in equilibrium, and what a step may cost.
 
     force        largest unbalanced nodal force of a state, N
-    passing      the same for a step on the way, N
+    passing      the same for a step on the way, N; `on_mesh` sets both
     rest         largest viscous traction at rest, MPa
     iterations   Newton iterations in a step
     longest      longest move of a node in one iteration, mm
@@ -41,15 +42,23 @@ class Tolerances:
     steps: int = 80
     viscosity: tuple[float, float] = (1e-6, 0.5)
 
+    @classmethod
+    def on_mesh(cls, area: float) -> Tolerances:
+        """Tolerances that are the same tractions on every mesh: area, mm2, is a node's."""
+        return cls(force=UNBALANCED * area, passing=PASSING * area)
 
+
+UNBALANCED, PASSING = 5e-7, 3e-4
+"""MPa: unbalanced traction of a final state (0.004 mmHg), and of a state on the way."""
 FALL = 4.0
 """By how much the viscosity falls from step to step at most, and rises after a failure by."""
 LONG_MOVE = 2.0
 """mm; the viscosity falls only as long as steps stay shorter; less after failures."""
 EASY = 5
 """Newton iterations of a step after which the viscosity may fall fully."""
-HOPELESS = 1e2
-"""A step is given up when after half its iterations this many tolerances are unbalanced."""
+HOPELESS, PATIENCE = 1e2, 3
+"""A step is given up when so many tolerances are unbalanced and for so many iterations the
+unbalanced force has not come below what it was before."""
 
 
 @dataclass
@@ -157,6 +166,7 @@ class Problem:
         limits = self.tolerances
         force = limits.force if force is None else force
         residual, packed = self._residual(u)
+        sizes: list[float] = []
         for iteration in range(1, limits.iterations + 1):
             du = self._increment(residual, packed)
             du, step = self._capped(du)
@@ -165,9 +175,9 @@ class Problem:
             self.cost.iterations += 1
             if size < force and step > 0.99:
                 return u, iteration
-            if not np.isfinite(size) or (
-                iteration >= limits.iterations / 2 and size > HOPELESS * limits.passing
-            ):
+            sizes.append(size)
+            stuck = min(sizes[-PATIENCE:]) >= min(sizes[:-PATIENCE], default=np.inf)
+            if not np.isfinite(size) or (stuck and size > HOPELESS * limits.passing):
                 break
         free = self.system.free
         raise NotConverged(size, int(free[np.argmax(np.abs(residual[free]))]))
@@ -184,8 +194,7 @@ class Problem:
     def _increment(self, residual, packed):
         start = time.perf_counter()
         try:
-            self.system.factorise(packed)
-            du = self.system.solve(-residual)
+            du = self.system.solve(packed, -residual)
         except SolverError as error:
             raise NotConverged(np.inf, 0) from error
         self.cost.add("solve", start)

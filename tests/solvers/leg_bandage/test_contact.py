@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.contact import Contact, PatternLeft, Points, project
+from solvers.leg_bandage.candidates import PatternLeft
+from solvers.leg_bandage.contact import Contact, Points, project
 from solvers.leg_bandage.friction import ContactLaw
 from solvers.leg_bandage.surfaces import Mandrel, Plane, Skin, Strip, interpolate_strip
 
