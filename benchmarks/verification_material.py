@@ -120,7 +120,8 @@ def timings() -> None:
         direct.factorise(packed)
         whole = shortest(lambda s=system: s.linearise(np.zeros(tissue.n_dofs)))
         again = shortest(lambda d=direct, p=packed: d.factorise(p))
-        solve = shortest(lambda d=direct, n=len(system.free): d.solve(np.ones(n)))
+        ones = np.ones(len(system.free))
+        solve = shortest(lambda d=direct, b=ones: d.solve(b))
         print(f"leg, {engine}: pattern {setup:.2f} s, assembled {whole:.3f} s, "
               f"factorised {again:.2f} s, solved {solve:.3f} s")
 
