@@ -165,6 +165,20 @@ class Fragile:
     assert "poor: no answer for case north (too round)" in table.attrs["notes"]
 
 
+def test_several_cases_a_subject(tmp_path):
+    """A column `subject`: both parts of the scatter, as `agreement` has them, and said so."""
+    wells = "subject,rw,Hu,L,flow\nA,0.1,1000,1200,80\nA,0.1,1000,1300,70\nB,0.1,1050,1400,90\n"
+    study = write(tmp_path, wells=wells)
+    fitted(study, tmp_path)
+    folder = tmp_path / "results/checked"
+    table, page = results.validate(study, folder)
+    found = table.sel(model="again", output="flow")
+    expected = agreement(found["reference"], found["prediction"], list("AAB"))
+    assert float(found["sd_between"]) == pytest.approx(expected["sd_between"])
+    assert float(found["upper_limit_high"]) == pytest.approx(expected["upper_limit_high"])
+    assert "They come from 2 subjects" in page.read_text()
+
+
 WRONG = {
     "cell": ("0.12,", "wide,", r"wells.csv:4: rw: 'wide' is not a number"),
     "empty cell": ("0.12,", ",", r"wells.csv:4: rw: there is no value"),

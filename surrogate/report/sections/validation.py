@@ -25,9 +25,8 @@ from surrogate.report.figures.agreement import difference_plot, scatter_plot
 #: From this many models on, drawings of all but the first ones are folded.
 SHOWN = 4
 HEADS = ("model", "cases", "slope", "R² (1 − SSE/SST)", "R² (correlation)", "mean error (%)",
-         "RMSE", "bias", "lower limit of agreement", "upper limit of agreement",
          "in its 95 % intervals")
-WITH_UNIT = ("RMSE", "bias", "lower limit of agreement", "upper limit of agreement")
+DIFFERENCES = ("model", "RMSE", "bias", "lower limit of agreement", "upper limit of agreement")
 MEANING = (
     "Slope: of the regression through the origin, reference on x, model on y. R² as 1 − SSE/SST "
     "compares the errors of the model as it stands with the scatter of the reference about its "
@@ -35,8 +34,8 @@ MEANING = (
     "scale and offset. Errors are model minus reference; mean error: their mean in percent of "
     "each reference; bias: their mean; limits of agreement: bias ∓ 1.96 standard deviations, "
     "between which 95 % of differences are expected (Bland and Altman 1986). Intervals of the "
-    "limits: {how}. Last column: share of the reference values inside the surrogate's own "
-    "95 % intervals.")
+    "limits: {how}. In its 95 % intervals: share of the reference values inside the surrogate's "
+    "own intervals.")
 
 
 def section(content: Content) -> Section:
@@ -111,7 +110,7 @@ def _blocks(data: xr.Dataset, output: str) -> list:
                for name in ranked]
     shown = [figure for pair in figures[:SHOWN] for figure in pair]
     how = "delta method" if "subject" in data else "noncentral t, exact for normal differences"
-    blocks = [heading, _table(data, names, ranked[0], unit), Figures(tuple(shown)),
+    blocks = [heading, *_tables(data, names, ranked[0], unit), Figures(tuple(shown)),
               Fold("What the figures are", (Text(MEANING.format(how=how)),), open=True)]
     if figures[SHOWN:]:
         more = digits.quantity(len(figures) - SHOWN, "further model")
@@ -120,33 +119,44 @@ def _blocks(data: xr.Dataset, output: str) -> list:
     return blocks
 
 
-def _table(data: xr.Dataset, names: list[str], best: str, unit: str) -> Table:
-    rows = []
-    for name in names:
-        row = {key: float(value) for key, value in data.sel(model=name).data_vars.items()
-               if value.ndim == 0 and np.issubdtype(value.dtype, np.number)}
-        rows.append(_row(row, name, name == best))
-    heads = tuple(Head(digits.labelled(word, unit) if word in WITH_UNIT else word, numeric=k > 0)
-                  for k, word in enumerate(HEADS))
-    return Table("Each model beside the reference; 95 % intervals in brackets. The smallest RMSE "
-                 "is set strong.", heads, tuple(rows), sortable=len(rows) > 2, wide=True)
+def _tables(data: xr.Dataset, names: list[str], best: str, unit: str) -> list[Table]:
+    """How the models follow the reference, and how far they are from it."""
+    rows = {name: {str(key): float(value) for key, value in data.sel(model=name).data_vars.items()
+                   if value.ndim == 0 and np.issubdtype(value.dtype, np.number)}
+            for name in names}
+    apart = tuple(Head(digits.labelled(word, unit) if k else word, numeric=k > 0)
+                  for k, word in enumerate(DIFFERENCES))
+    follow = tuple(Head(word, numeric=k > 0) for k, word in enumerate(HEADS))
+    return [_table("Each model over the reference; 95 % intervals in brackets.", follow,
+                   {name: _following(row) for name, row in rows.items()}, best),
+            _table("Each model minus the reference. The smallest RMSE is set strong.", apart,
+                   {name: _differing(row) for name, row in rows.items()}, best)]
 
 
-def _row(row: dict[str, float], name: str, best: bool) -> tuple[Cell, ...]:
-    words = (
-        (name, None), (f"{row['n']:.0f}", row["n"]),
-        (digits.with_interval(row["slope"], row["slope_low"], row["slope_high"]), row["slope"]),
-        (digits.figure(row["r2"], 2), row["r2"]),
-        (digits.figure(row["r2_correlation"], 2), row["r2_correlation"]),
-        (digits.figure(row["mean_error_percent"], 2), row["mean_error_percent"]),
-        (digits.figure(row["rmse"]), row["rmse"]),
-        (digits.with_interval(row["bias"], row["bias_low"], row["bias_high"]), row["bias"]),
-        *((digits.with_interval(*(row[f"{end}_limit{part}"] for part in ("", "_low", "_high"))),
-           row[f"{end}_limit"]) for end in ("lower", "upper")),
-        (digits.percent(row["coverage_95"]), row["coverage_95"]))
-    return tuple(Cell(word, value if value is not None and np.isfinite(value) else None,
-                      "strong" if best and k == 0 else "")
-                 for k, (word, value) in enumerate(words))
+def _table(caption: str, heads: tuple[Head, ...], rows: dict[str, list[tuple[str, float]]],
+           best: str) -> Table:
+    return Table(caption, heads, tuple(
+        (Cell(name, tone="strong" if name == best else ""),
+         *(Cell(words, value if np.isfinite(value) else None) for words, value in row))
+        for name, row in rows.items()), sortable=len(rows) > 2)
+
+
+def _following(row: dict[str, float]) -> list[tuple[str, float]]:
+    words = {"n": f"{row['n']:.0f}", "slope": _interval(row, "slope"),
+             "r2": digits.figure(row["r2"], 2),
+             "r2_correlation": digits.figure(row["r2_correlation"], 2),
+             "mean_error_percent": digits.figure(row["mean_error_percent"], 2),
+             "coverage_95": digits.percent(row["coverage_95"])}
+    return [(text, row[key]) for key, text in words.items()]
+
+
+def _differing(row: dict[str, float]) -> list[tuple[str, float]]:
+    return [(digits.figure(row["rmse"]), row["rmse"]),
+            *((_interval(row, key), row[key]) for key in ("bias", "lower_limit", "upper_limit"))]
+
+
+def _interval(row: dict[str, float], key: str) -> str:
+    return digits.with_interval(*(row[f"{key}{part}"] for part in ("", "_low", "_high")))
 
 
 def _plots(data: xr.Dataset, name: str, output: str, unit: str) -> list:
