@@ -178,6 +178,16 @@ def test_shape_law():
     assert law.factor({"scanned": 20.0, "fitted": 20.0}) == 1.0
 
 
+def test_person_md_prints_what_the_legs_say():
+    """Number of legs, b, RMS and 95 % of both rows."""
+    law, text = shape.shape_law(), (Path(shape.__file__).parent / "PERSON.md").read_text()
+    rms = {name: np.sqrt((getattr(law, name) ** 2).mean()) for name in ("missed", "corrected")}
+    assert f"On {len(law.missed)} validation legs" in text
+    assert f"| four modes | {100 * rms['missed']:.1f} % | {100 * law.error(False):.1f} % |" in text
+    assert (f"b = {law.exponent:.2f}, each leg left out of its own b | "
+            f"{100 * rms['corrected']:.1f} % | {100 * law.error():.1f} % |") in text
+
+
 def test_leg_outside_the_runs_is_answered_and_flagged(study, tmp_path):
     leg = Leg.from_alphas(300.0, (-0.68, 0.2, 0.0, 0.0))
     path = virtual.save(tmp_path / "leg.stl", *virtual.leg_mesh(leg))
