@@ -1,7 +1,7 @@
 """Stored runs: datasets of runs that ship with a study, so that nobody has to wait for them.
 
 A stored run is taken for a point of the study when solver, version, options and all
-inputs are the same: to the last digit, or to `SAME` of an input's size, because
+inputs are the same: to the last digit, or to `SAME` of an input's size in the file, because
 another machine may round a design point differently. It is not copied into the
 journal, and what the journal holds goes before it.
 """
@@ -23,7 +23,7 @@ from surrogate.identity import Call, Recipe, keys_in
 from surrogate.journal import Contents, Record
 from surrogate.runs import output_names
 
-#: Inputs whose sizes differ by less than this are one input.
+#: Inputs that differ by less than this share of the largest value in a file are one input.
 SAME = 1e-12
 #: A field is stored in single precision when that moves it by less than this share of its range.
 FIELD_ROUNDING = 1e-6
@@ -143,9 +143,10 @@ def _rows_of(file: StoredRuns, recipe: Recipe, calls: Mapping[str, Call]) -> dic
         return rows
     candidates = np.array(list(file.rows.values()))
     numbers, words = _split([file.calls[row] for row in candidates], recipe)
+    tolerance = SAME * np.abs(numbers).max(axis=0, initial=0.0)
     for key in left:
         number, word = _split([calls[key]], recipe)
-        close = (np.abs(numbers - number) <= SAME * np.abs(number)).all(axis=1)
+        close = (np.abs(numbers - number) <= tolerance).all(axis=1)
         found = np.flatnonzero(close & (words == word).all(axis=1))
         if len(found):
             rows[key] = int(candidates[found[0]])
