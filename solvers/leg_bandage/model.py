@@ -26,23 +26,23 @@ from solvers.leg_bandage.wrapping import Lay, Wrap
 class Mesh:
     """Sizes of a discretisation.
 
-    around, deep, high  hexahedra of the leg in theta, depth and z
-    row                 laid length of an element row of the bandage, mm
+    around, deep, high  hexahedra of the leg in theta, depth and z; the bandage has as many
+                        rows of elements in its narrowest turn as the leg around
     across              elements across the bandage's width
     """
 
     around: int
     deep: int
     high: int
-    row: float
     across: int
 
 
 MESHES = {
-    "coarse": Mesh(26, 2, 24, 11.0, 10),
-    "medium": Mesh(36, 3, 36, 6.5, 20),
-    "fine": Mesh(54, 4, 54, 4.4, 30),
+    "coarse": Mesh(24, 2, 24, 10),
+    "medium": Mesh(36, 3, 36, 15),
+    "fine": Mesh(48, 4, 48, 20),
 }
+"""One mesh, 1, 1.5 and 2 times as fine in all directions."""
 
 BELOW, ABOVE = 85.0, 25.0
 """How far the leg goes on beyond both cuts, mm: at least 20 mm more than the bandage."""

@@ -184,7 +184,7 @@ def imprint(model: Model, u: np.ndarray) -> Imprint:
     area = stretch * np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)
     pressure = np.zeros(laid.cover.size)
     pressure[model.points["skin"]] = model.skin.report(u)["p"]
-    pressure = (pressure.reshape(laid.cover.shape) * (1 - laid.cover))[:, 1:-1]
+    pressure = _on_elements(pressure.reshape(laid.cover.shape) * (1 - laid.cover), laid.area)
     pressure = pressure * laid.density / area.reshape(shape)
 
     turns = 2 * np.pi / len(model.mesh.theta)
@@ -192,6 +192,18 @@ def imprint(model: Model, u: np.ndarray) -> Imprint:
     place = np.column_stack([xi[:, 0] * turns, model.mesh.z[0] + xi[:, 1] * height])
     places = _spline(place.reshape(*shape, 2))
     return Imprint(strip, places, _spline(pressure[..., None]), slip.reshape(shape))
+
+
+def _on_elements(values, area):
+    """Values (ns, nw) of elements from those at contact points (ns, nw + 2), by their area.
+
+    An edge belongs to the element beside it: what it carries must not be lost.
+    """
+    inner, weight = (values * area)[:, 1:-1], area[:, 1:-1].copy()
+    for element, edge in ((0, 0), (-1, -1)):
+        inner[:, element] += (values * area)[:, edge]
+        weight[:, element] += area[:, edge]
+    return inner / weight
 
 
 def on_disc(found: Imprint, leg: Leg, disc: Disc) -> tuple[float, float]:

@@ -55,7 +55,7 @@ class LegBandagePatient:
     mesh, end, leg_ends, b1_rule, linear_solver are those of `leg_bandage`.
     """
 
-    version = "2"
+    version = LegBandage.version
     outputs: Mapping[str, Output] = {**{name: OUTPUTS[name] for name in SOLVED}, **TOLD}
 
     def __init__(self, mesh: str = "medium", end: str = "clipped", leg_ends: str = "free",

@@ -65,7 +65,7 @@ class LegBandage:
     folder         where `cohort` is looked for
     """
 
-    version = "2"
+    version = "3"
     outputs = OUTPUTS
 
     def __init__(self, mesh: str = "medium", end: str = "clipped", leg_ends: str = "free",
@@ -121,7 +121,7 @@ class LegBandage:
 
     def _solve(self, leg: Leg, wrap: Wrap, material: Material, wrapping: str) -> tuple[
             Model, np.ndarray]:
-        laid = lay(leg.surface, wrap, element_rows(leg.surface, wrap, self.mesh.row),
+        laid = lay(leg.surface, wrap, element_rows(leg.surface, wrap, self.mesh.around),
                    self.mesh.across)
         mesh = mesh_leg(leg, bone_of(leg), self.mesh)
         given = {"material": material, "ends": self.ends, "solver": self.solver}

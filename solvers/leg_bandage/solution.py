@@ -52,7 +52,7 @@ UNBALANCED, PASSING = 5e-7, 3e-4
 """MPa: unbalanced traction of a final state (0.004 mmHg), and of a state on the way."""
 FALL = 4.0
 """By how much the viscosity falls from step to step at most, and rises after a failure by."""
-LONG_MOVE = 2.0
+LONG_MOVE = 1.0
 """mm; the viscosity falls only as long as steps stay shorter; less after failures."""
 EASY = 5
 """Newton iterations of a step after which the viscosity may fall fully."""

@@ -3,9 +3,10 @@
 The midline climbs a helix of constant pitch in the leg's coordinates (theta, z). Across
 its width the strip follows lines that leave the midline at a right angle and stay in the
 tangent plane, at true length. Every turn lies on the turns beneath it: a point is lifted
-by half a thickness and by one more for each turn that covers it, fading over the last
-5 mm inside the edges of that turn. The midline, so lifted, has the asked stretch; the stretch of
-the edges follows from the shape of the leg. Units: mm, radians.
+by half a thickness and by one more for each turn that covers it, fading over 5 mm about the
+edges of that turn. The midline, lifted by the mean over the width, has the asked stretch (with
+half overlap it lies just where the thickness steps); the stretch of the edges follows from the
+shape of the leg. Units: mm, radians.
 
 A surface to wrap is a function (theta, z, d_theta, d_z) -> points (..., 3) or their
 first derivatives, like `Leg.surface`.
@@ -25,12 +26,12 @@ from surrogate.errors import SolverError
 
 Surface = Callable[..., np.ndarray]
 SAMPLES_A_TURN = 180
-LEAST_GIRTH = 260.0
-"""mm; below it the rows shrink with the leg, to follow its curvature."""
 FADE = 5.0
-"""mm inside the edge of a turn over which the next one climbs onto it; no mesh size in it."""
+"""mm about the edge of a turn over which the next one climbs onto it; no mesh size in it."""
 MEETS = 1.0
 """mm; a turn beneath whose bare surface is farther than this does not pass beneath."""
+FINER = 5
+"""Places across an element, odd, at which it is looked whether a turn passes beneath."""
 EVEN_PASSES = 2
 """Times the rows are shifted to even out what lifting by the layers does to them."""
 
@@ -107,13 +108,19 @@ def wrap_for(length: float, *, overlap: float, width=100.0, start_height=-10.0, 
     return wrap
 
 
-def element_rows(surface: Surface, wrap: Wrap, size: float) -> int:
-    """Number of element rows along the midline: of about `size` mm (laid), less on a thin leg.
+def element_rows(surface: Surface, wrap: Wrap, around: int) -> int:
+    """Number of element rows along the midline so that the narrowest turn has `around` of them.
 
-    A turn never has fewer rows than on a leg with a girth of `LEAST_GIRTH`.
+    With as many as the skin has cells around no node of the skin lies between two rows
+    of contact points without feeling either: on the mean leg, with 1.4 times as many cells as
+    rows, the skin bulges between them and the pressure comes out 5 % low.
     """
-    _, arc = midline_arc(surface, wrap)
-    return int(round(max(arc[-1], wrap.turns * LEAST_GIRTH) / size))
+    angles, arc = midline_arc(surface, wrap)
+    length = CubicSpline(angles, arc)
+    starts = np.linspace(angles[0], max(angles[-1] - 2 * np.pi, angles[0]), 200)
+    ends = np.minimum(starts + 2 * np.pi, angles[-1])
+    rates = (length(ends) - length(starts)) / (ends - starts)
+    return int(round(around * arc[-1] / (2 * np.pi * rates.min())))
 
 
 def lay(surface: Surface, wrap: Wrap, ns: int, nw: int) -> Lay:
@@ -135,21 +142,28 @@ def lay_rows(surface: Surface, wrap: Wrap, knots: np.ndarray, nw: int) -> Lay:
     """
     ns = len(knots) - 3
     theta_mid = (knots[1:] + knots[:-1]) / 2
-    columns = np.concatenate([[-0.5, 0.0], np.arange(nw) + 0.5, [nw, nw + 0.5]])
-    place = across(surface, wrap, theta_mid, columns / nw - 0.5)
+    fine = np.concatenate([[-0.5, 0.0], (np.arange(nw * FINER) + 0.5) / FINER, [nw, nw + 0.5]])
+    middles = 2 + FINER // 2 + FINER * np.arange(nw)
+    kept = np.concatenate([[0, 1], middles, [-2, -1]])
+    columns = fine[kept]
+    place = across(surface, wrap, theta_mid, fine / nw - 0.5)
     bare = surface(place[..., 0], place[..., 1])
     net, seen = np.delete(np.arange(nw + 4), [1, nw + 2]), slice(1, -1)
     strip = Strip(ns, nw)
-    cover, beneath, covers = _turns_beneath(strip, bare, net, wrap, theta_mid, columns)
+    X = interpolate_strip(bare[:, kept[net]]).reshape(-1, 3)
+    beneath, covers = _turns_beneath(strip, bare, X, wrap, theta_mid, fine)
+    covers = _over_elements(covers, kept)
+    cover, beneath, place, bare = covers[0], beneath[:, kept], place[:, kept], bare[:, kept]
     lift = wrap.thickness * (0.5 + covers.sum(axis=0))
-    raised = bare + lift[..., None] * _normal(surface, place)
-    X = interpolate_strip(raised[:, net]).reshape(-1, 3)
+    normal = _normal(surface, place)
+    X = _raised(bare, normal, lift, net)
+    evenly = _raised(bare, normal, lift[:, 2:-2].mean(axis=1, keepdims=True), net)
     points = np.stack(np.meshgrid(np.arange(ns) + 0.5, columns[seen], indexing="ij"), -1)
     inner = (slice(1, -1), seen)
     return Lay(
         strip=strip,
         X=X,
-        lengths=_midline_lengths(strip, X) / wrap.stretch,
+        lengths=_midline_lengths(strip, evenly) / wrap.stretch,
         points=points,
         area=(per_cell := density(strip, X, points)) * _shares(nw),
         density=per_cell[:, 1:-1],
@@ -159,6 +173,11 @@ def lay_rows(surface: Surface, wrap: Wrap, knots: np.ndarray, nw: int) -> Lay:
         layers=1 + covers.sum(axis=0)[inner],
         theta=knots[1:-1],
     )
+
+
+def _raised(bare, normal, lift, net):
+    """Control points (n, 3) of the strip that lies `lift` above the surface."""
+    return interpolate_strip((bare + lift[..., None] * normal)[:, net]).reshape(-1, 3)
 
 
 def _shares(nw):
@@ -245,12 +264,24 @@ def _continued(at, arc, angles):
     return CubicSpline(arc, angles)(at)
 
 
-def _turns_beneath(strip, bare, net, wrap, theta_mid, columns):
-    """Cover by the turn beneath, its parameters, and the cover of every turn (k, rows, columns).
+def _over_elements(covers, kept):
+    """Covers (k, rows, kept columns) with their means over the width of each element.
 
-    bare (rows, columns, 3) lies on the surface; `net` picks the columns of the control net.
+    Looked at in the middles only, the edge of a turn moves by up to half an element: by 5 % of
+    the pressure over it where that edge meets the middles of 10 mm elements.
     """
-    X = interpolate_strip(bare[:, net]).reshape(-1, 3)
+    inner = covers[:, :, 2:-2]
+    means = inner.reshape(*inner.shape[:2], -1, FINER).mean(axis=-1)
+    covers = covers[:, :, kept]
+    covers[:, :, 2:-2] = means
+    return covers
+
+
+def _turns_beneath(strip, bare, X, wrap, theta_mid, columns):
+    """Parameters of the turn beneath (rows, columns, 2), covers by all turns (k, rows, columns).
+
+    bare (rows, columns, 3) lies on the surface, X are the control points of the bare strip.
+    """
     shape = bare.shape[:2]
     rank = np.arange(shape[0]) - 0.5
     depth = int(np.ceil(min(wrap.width / wrap.pitch, wrap.turns)))
@@ -267,14 +298,14 @@ def _turns_beneath(strip, bare, net, wrap, theta_mid, columns):
         covers[k - 1] = np.where(near, _inside(found, strip, wrap.width), 0.0)
         if k == 1:
             beneath = found
-    return covers[0], beneath, covers
+    return beneath, covers
 
 
 def _inside(xi, strip, width):
-    """0 outside the strip, rising to 1 over `FADE` inside its edges, one row at its first end."""
+    """0 outside the strip, rising to 1 over `FADE` about its edges, one row at its first end."""
     along = np.clip(xi[..., 0], 0, 1)
     over = np.minimum(xi[..., 1], strip.nw - xi[..., 1]) * width / strip.nw
-    over = np.clip(over / FADE, 0, 1)
+    over = np.clip(over / FADE + 0.5, 0, 1)
     return along**2 * (3 - 2 * along) * over**2 * (3 - 2 * over)
 
 

@@ -76,7 +76,7 @@ def test_pressure_times_area_is_the_force_on_the_skin(result):
     rate = len(m.mesh.theta) / (2 * np.pi) / (m.mesh.z[1] - m.mesh.z[0])
     area = np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1) * rate
     cell = (theta[1] - theta[0]) * (z[1] - z[0])
-    assert np.sum(pressure * MMHG * area) * cell == pytest.approx(force, rel=0.015)
+    assert np.sum(pressure * MMHG * area) * cell == pytest.approx(force, rel=0.006)
 
 
 @pytest.mark.slow

@@ -41,7 +41,7 @@ def test_stretch_along_the_midline_is_as_asked_on_a_leg():
     """The lifted midline has stretch 1.3 in every row; rows have the same rest length."""
     leg = Leg.from_alphas(237.9, shipped_basis().mean).extended(85, 25)
     wrap = wrap_for(237.9, overlap=0.5, thickness=0.7)
-    laid = lay(leg.surface, wrap, element_rows(leg.surface, wrap, 9.0), 12)
+    laid = lay(leg.surface, wrap, element_rows(leg.surface, wrap, 24), 12)
     rows = np.column_stack([np.arange(laid.strip.ns) + 0.5, np.full(laid.strip.ns, 6.0)])
     stretch = np.linalg.norm(laid.strip.at(rows, laid.X)[:, 1], axis=1) / laid.lengths.mean()
     assert stretch == pytest.approx(1.3, rel=0.02)
@@ -50,11 +50,11 @@ def test_stretch_along_the_midline_is_as_asked_on_a_leg():
 
 @pytest.mark.parametrize("overlap, layers", [(0.5, 2.0), (2 / 3, 3.0)])
 def test_number_of_layers(overlap, layers):
-    """Half overlap gives two layers, two thirds three, away from the ends."""
+    """Half overlap gives two layers, two thirds three, away from the ends and the edges."""
     wrap = replace(SPIRAL, pitch=100 * (1 - overlap))
     laid = lay(CYLINDER, wrap, int(44 * wrap.turns), 12)
     middle = slice(laid.strip.ns // 2 - 20, laid.strip.ns // 2 + 20)
-    top = laid.layers[middle, 1]
+    top = laid.layers[middle, 2]
     assert top == pytest.approx(layers, abs=0.05)
     assert laid.cover[middle, -2] == pytest.approx(0, abs=1e-6)
 
@@ -70,6 +70,20 @@ def test_a_turn_lies_one_thickness_above_the_turn_beneath():
     deep = (laid.beneath[whole][:, 1] > 11.5) & (laid.beneath[whole][:, 1] < 18)
     assert deep.sum() > 50
     assert (radius[0] - radius[1])[deep] == pytest.approx(0.5, abs=0.02)
+
+
+def test_layers_do_not_hang_on_where_elements_end():
+    """A turn covers 1 - q of the next and 1 - 2 q of the one after, q = pitch cos(beta) / width.
+
+    An edge of the turn beneath lies between two elements (even numbers) or amid one (odd).
+    """
+    q = 0.5 / np.hypot(1, 50 / (2 * np.pi * 45))
+    expected = 1 + (1 - q) + (1 - 2 * q)
+    for nw in (10, 11, 12, 13):
+        laid = lay(CYLINDER, SPIRAL, 176, nw)
+        middle = slice(66, 110)
+        mean = np.average(laid.layers[middle], weights=laid.area[middle])
+        assert mean == pytest.approx(expected, abs=0.01)
 
 
 def test_areas_of_contact_points_add_up():
