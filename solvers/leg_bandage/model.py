@@ -38,9 +38,9 @@ class Mesh:
 
 
 MESHES = {
-    "coarse": Mesh(24, 2, 24, 10),
-    "medium": Mesh(36, 3, 36, 15),
-    "fine": Mesh(48, 4, 48, 20),
+    "coarse": Mesh(24, 2, 24, 12),
+    "medium": Mesh(36, 3, 36, 18),
+    "fine": Mesh(48, 4, 48, 24),
 }
 """One mesh, 1, 1.5 and 2 times as fine in all directions."""
 

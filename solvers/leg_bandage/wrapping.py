@@ -74,7 +74,8 @@ class Lay:
     area     (ns, nw + 2) laid area that belongs to each of them, mm2
     density  (ns, nw) laid area of the elements, from their midpoints, mm2
     skin     (ns, nw + 2, 2) theta and z of the skin under each
-    cover    (ns, nw + 2) share of each that the turn beneath carries, 0..1
+    cover    (ns, nw + 2) share of each that the turn beneath carries, 0..1: nothing beyond its
+             edge, where its surface is not defined
     beneath  (ns, nw + 2, 2) strip parameters of the point of that turn beneath
     layers   (ns, nw + 2) number of layers there, itself included
     theta    (ns + 1,) angle of the midline at the ends of the element rows
@@ -151,9 +152,9 @@ def lay_rows(surface: Surface, wrap: Wrap, knots: np.ndarray, nw: int) -> Lay:
     net, seen = np.delete(np.arange(nw + 4), [1, nw + 2]), slice(1, -1)
     strip = Strip(ns, nw)
     X = interpolate_strip(bare[:, kept[net]]).reshape(-1, 3)
-    beneath, covers = _turns_beneath(strip, bare, X, wrap, theta_mid, fine)
+    cover, beneath, covers = _turns_beneath(strip, bare, X, wrap, theta_mid, fine)
+    cover, beneath, place, bare = (one[:, kept] for one in (cover, beneath, place, bare))
     covers = _over_elements(covers, kept)
-    cover, beneath, place, bare = covers[0], beneath[:, kept], place[:, kept], bare[:, kept]
     lift = wrap.thickness * (0.5 + covers.sum(axis=0))
     normal = _normal(surface, place)
     X = _raised(bare, normal, lift, net)
@@ -267,8 +268,7 @@ def _continued(at, arc, angles):
 def _over_elements(covers, kept):
     """Covers (k, rows, kept columns) with their means over the width of each element.
 
-    Looked at in the middles only, the edge of a turn moves by up to half an element: by 5 % of
-    the pressure over it where that edge meets the middles of 10 mm elements.
+    Seen in the middles only, the step onto a turn would move by up to half an element.
     """
     inner = covers[:, :, 2:-2]
     means = inner.reshape(*inner.shape[:2], -1, FINER).mean(axis=-1)
@@ -295,17 +295,21 @@ def _turns_beneath(strip, bare, X, wrap, theta_mid, columns):
         found = seed.copy()
         found[near] = project(strip, bare[near], X, seed[near])
         near[near] = np.linalg.norm(strip.at(found[near], X)[:, 0] - bare[near], axis=1) < MEETS
-        covers[k - 1] = np.where(near, _inside(found, strip, wrap.width), 0.0)
+        covers[k - 1] = np.where(near, _inside(found, strip, wrap.width, 0.5), 0.0)
         if k == 1:
+            carried = np.where(near, _inside(found, strip, wrap.width), 0.0)
             beneath = found
-    return beneath, covers
+    return carried, beneath, covers
 
 
-def _inside(xi, strip, width):
-    """0 outside the strip, rising to 1 over `FADE` about its edges, one row at its first end."""
+def _inside(xi, strip, width, beyond=0.0):
+    """0 outside the strip, rising to 1 over `FADE` within its edges, one row at its first end.
+
+    beyond: share of FADE that lies beyond the edges.
+    """
     along = np.clip(xi[..., 0], 0, 1)
     over = np.minimum(xi[..., 1], strip.nw - xi[..., 1]) * width / strip.nw
-    over = np.clip(over / FADE + 0.5, 0, 1)
+    over = np.clip(over / FADE + beyond, 0, 1)
     return along**2 * (3 - 2 * along) * over**2 * (3 - 2 * over)
 
 

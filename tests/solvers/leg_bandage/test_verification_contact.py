@@ -14,6 +14,7 @@ from solvers.leg_bandage.leg_mesh import leg_mesh, tube
 from solvers.leg_bandage.outputs import MMHG
 from solvers.leg_bandage.solution import Tolerances
 from solvers.leg_bandage.surfaces import Mandrel
+from solvers.leg_bandage.verification.flat_patch import MARGIN, SIDE, press, settlement_exactly
 from solvers.leg_bandage.verification.mandrel import ring_on_tube, ring_wrap, wind
 from solvers.leg_bandage.wrapping import Wrap
 
@@ -155,3 +156,28 @@ def test_hoop_band_in_contact_with_a_soft_tube(K1, radius, stretch, mmhg):
     force = np.sum(report["p"] * ring.skin.points.area)
     assert force / area / MMHG == pytest.approx(mmhg, rel=0.01)
     assert report["p"].std() < 0.02 * report["p"].mean()
+
+
+@pytest.mark.parametrize("cells, elements, twist, settled", [
+    ((8, 8, 3), (11, 9), 0.0, 0.03),
+    ((8, 8, 3), (11, 9), 0.5, 0.03),
+    ((6, 7, 3), (9, 10), 0.5, 0.03),
+    ((16, 16, 4), (21, 19), 0.5, 0.01),
+])
+def test_flat_patch(cells, elements, twist, settled):
+    """V8, flat: a uniform load on the strip reaches a soft block as a uniform pressure.
+
+    Meshes do not match, and are turned against each other by up to `twist` rad (29 degrees).
+    Pressure is uniform to 0.3 % rms and 2 % at every contact point. The skin's cubic passes
+    1 / 24 of a cell's load over the strip's edge, so that the block sinks deeper than the
+    exact uniaxial strain by 2 % on 8 cells and 0.6 % on 16: the settlement is a convergence,
+    the pressure is the patch test. The floor carries the whole load.
+    """
+    load = 30 * MMHG
+    patch = press(load, cells, elements, twist)
+    off = patch.pressure / load - 1
+    assert off.std() < 3e-3 and np.abs(off).max() < 2e-2
+    sunk = patch.settlement / settlement_exactly(load) - 1
+    assert abs(sunk.mean()) < settled and sunk.std() < 0.04
+    area = np.prod([SIDE + 2 * MARGIN * SIDE / n for n in cells[:2]])
+    assert patch.reaction == pytest.approx(load * area, rel=1e-3)
