@@ -1,82 +1,95 @@
-"""Convergence and smoothness of the bandage model: `python benchmarks/verification_contact.py`.
+"""The bandage's contact against exact answers: `python benchmarks/verification_contact.py`.
 
-V12  pressure at B1 on coarse, medium and fine: observed order, Richardson's estimate
-V13  sweeps of one input: scatter of the pressure about a smooth curve (a polynomial of
-     degree 5 in the input), largest and root mean square
+Prints checks V2 to V9 (README.md of `solvers/leg_bandage`); half a minute. V1 and V10 are
+printed by `verification_material.py`, V12 by `convergence.py`, V13 by `smoothness.py`.
 """
 
 from __future__ import annotations
 
-import argparse
+from itertools import product
 
 import numpy as np
-from scipy.optimize import brentq
 
-from solvers.leg_bandage.model import MESHES
-from solvers.leg_bandage.plugin import INPUTS, LegBandage
-from surrogate.errors import SolverError
-
-SWEEPS = {"tension": (0.059, 0.137), "leg_length": (190.0, 285.0), "alpha1": (-0.88, -0.53),
-          "alpha2": (-0.06, 0.11), "alpha3": (-0.08, 0.09), "alpha4": (-0.03, 0.033),
-          "overlap": (0.4, 0.6), "mu_skin": (0.1, 0.3)}
-DEGREE = 5
-
-
-def convergence() -> None:
-    """Print V12: element size is the laid row length."""
-    sizes = [MESHES[name].row for name in MESHES]
-    values = [LegBandage(mesh=name)()["pressure_b1"] for name in MESHES]
-    for name, size, value in zip(MESHES, sizes, values, strict=True):
-        print(f"V12 {name}: h = {size} mm, pressure_b1 = {value:.3f} mmHg")
-    order, limit = richardson(sizes, values)
-    print(f"V12 observed order {order:.2f}, limit {limit:.3f} mmHg, "
-          f"medium off by {100 * (values[1] / limit - 1):.2f} %")
-
-
-def richardson(sizes, values) -> tuple[float, float]:
-    """Order p and limit f of f + C h^p through three values; NaN when they do not converge."""
-    (h1, h2, h3), (f1, f2, f3) = sizes, values
-    ratio = (f1 - f2) / (f2 - f3)
-
-    def miss(p):
-        return (h1**p - h2**p) / (h2**p - h3**p) - ratio
-
-    if miss(0.05) * miss(8.0) > 0:
-        return np.nan, np.nan
-    order = brentq(miss, 0.05, 8.0)
-    return order, f3 + (f3 - f2) / ((h2 / h3) ** order - 1)
-
-
-def smoothness(name: str, mesh: str, points: int) -> None:
-    """Print V13 for one input."""
-    solver, at = LegBandage(mesh=mesh), np.linspace(*SWEEPS[name], points)
-    pressure = np.full(points, np.nan)
-    for i, value in enumerate(at):
-        try:
-            pressure[i] = solver(**{name: value})["pressure_b1"]
-        except SolverError as error:
-            print(f"V13 {name} = {value:.4g}: {error}")
-    good = np.isfinite(pressure)
-    fit = np.polynomial.Polynomial.fit(at[good], pressure[good], DEGREE)
-    off = pressure[good] - fit(at[good])
-    print(f"V13 {name} on {mesh}, {good.sum()} of {points} points {at[0]:g}..{at[-1]:g} "
-          f"{INPUTS[name].unit}: pressure_b1 {pressure[good].min():.2f}..{pressure[good].max():.2f}"
-          f" mmHg, scatter {np.sqrt(np.mean(off**2)):.3f} rms, {np.abs(off).max():.3f} largest",
-          flush=True)
+from solvers.leg_bandage.outputs import MMHG
+from solvers.leg_bandage.verification.flat_patch import press, settlement_exactly
+from solvers.leg_bandage.verification.thick_cylinder import hooped_exactly
+from solvers.leg_bandage.verification.wound import (
+    band_on_cylinder,
+    band_on_soft_tube,
+    capstan,
+    creep_on_cone,
+    spiral_exactly,
+    spiral_on_cylinder,
+    stretches_on_cone,
+    string_on_ellipse,
+)
 
 
 def main() -> None:
-    """Run what the command line asks for."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sweeps", nargs="*", default=list(SWEEPS), choices=SWEEPS)
-    parser.add_argument("--mesh", default="medium")
-    parser.add_argument("--points", type=int, default=41)
-    parser.add_argument("--no-convergence", action="store_true")
-    given = parser.parse_args()
-    if not given.no_convergence:
-        convergence()
-    for name in given.sweeps:
-        smoothness(name, given.mesh, given.points)
+    """Print the numbers that have an exact one, then those that are bounds."""
+    print(f"{'check':62} {'answer':>10} {'ours':>10} {'off by':>9}")
+    for check, answer, ours in numbers():
+        print(f"{check:62} {answer:10.5g} {ours:10.5g} {ours / answer - 1:+9.3%}", flush=True)
+    print()
+    for line in bounds():
+        print(line, flush=True)
+
+
+def numbers():
+    """Yield (what, answer, ours)."""
+    for tension in (0.059, 0.098, 0.137):
+        found = band_on_cylinder(tension)
+        yield (f"V2 band on a rigid cylinder, T = {tension} N/mm, mmHg (scatter "
+               f"{found.scatter:.2%})", tension / 45 / MMHG, found.mean)
+    two, exact = spiral_exactly()
+    ours = spiral_on_cylinder()
+    yield "V2, V4 spiral, 2.03 layers, mean over a turn, mmHg", exact, ours
+    yield "V2, V4 the same for exactly two layers, mmHg", two, ours * two / exact
+    for K1 in (0.098 / 0.3, 0.196667):
+        exact, found = hooped_exactly(K1, 1, 47 / 1.3, 0.005), band_on_soft_tube(K1)
+        case = f"V3, V8 band in contact with a soft tube, K1 = {K1:.4f} N/mm,"
+        yield f"{case} radius mm", exact.radius, found.radius
+        yield f"{case} stretch", exact.stretch, found.stretch
+        yield f"{case} mmHg (scatter {found.scatter:.2%})", exact.pressure / MMHG, found.pressure
+    for mu in (0.1, 0.2, 0.3):
+        yield f"V6 capstan over half a turn, mu = {mu}", np.exp(np.pi * mu), capstan(mu)
+    for place, found, exact in zip(("lower edge", "midline", "upper edge"), *stretches_on_cone(),
+                                   strict=True):
+        yield f"V7 hoop on a cone, stretch of the {place}", exact, found
+
+
+def bounds():
+    """Yield a line for each check whose answer is a property."""
+    for a, b in ((50, 44), (55, 40)):
+        found = string_on_ellipse(a, b)
+        yield (f"V5 string without friction on an ellipse {a} x {b}: tension within "
+               f"{found.tension:.2%}, |p / (T kappa) - 1| {found.mean:.2%} in the mean, "
+               f"{found.worst:.2%} at most")
+    for alpha, (tension, radius) in product((0.08, 0.12), ((0.098, 45.0), (0.137, 35.0))):
+        below, above = (creep_on_cone(alpha, share, tension, radius) for share in (0.9, 1.1))
+        yield (f"V7 hoop on a cone, alpha {alpha} rad, T {tension} N/mm, r {radius:g} mm: moved by "
+               f"{below:.2f} mm in eight steps at mu = 0.9 tan(alpha), {above:.3f} at 1.1")
+    for elements, cells, turned in PATCHES:
+        yield flat_patch(elements, cells, turned)
+
+
+PATCHES = [((11, 9), (8, 8, 3), 0), ((11, 9), (8, 8, 3), 29), ((9, 10), (6, 7, 3), 0),
+           ((9, 10), (6, 7, 3), 29), ((21, 19), (16, 16, 4), 0), ((21, 19), (16, 16, 4), 29),
+           ((11, 9), (16, 16, 4), 0)]
+"""Strip, block, degrees between their lines. The last: a skin finer than the strip, whose nodes
+bulge between the strip's points; the model lays as many rows as the skin has cells."""
+
+
+def flat_patch(elements, cells, turned: float) -> str:
+    """The line of one flat patch."""
+    load = 30 * MMHG
+    found = press(load, cells, elements, np.radians(turned))
+    off = found.pressure / load - 1
+    sunk = found.settlement / settlement_exactly(load) - 1
+    return (f"V8 flat patch, {elements[0]} x {elements[1]} elements on {cells[0]} x {cells[1]} "
+            f"cells turned by {turned} degrees: pressure uniform to {off.std():.2%} rms, "
+            f"{np.abs(off).max():.2%} at most; settlement {sunk.mean():+.1%}, its scatter "
+            f"{sunk.std():.1%}")
 
 
 if __name__ == "__main__":

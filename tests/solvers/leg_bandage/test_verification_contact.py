@@ -1,102 +1,62 @@
-"""Bandages on rigid mandrels against Laplace's law, the capstan and the cone.
+"""Bandages on mandrels, a soft tube and a flat block, against exact answers.
 
-Exact answers only; stiffness is the contact's, so that penetration costs 0.2 % at most.
+Stiffness is the contact's, so that penetration costs 0.2 % at most.
+`benchmarks/verification_contact.py` prints the same figures.
 """
-
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.bandages import NOMINAL, at_tension
-from solvers.leg_bandage.friction import ContactLaw
-from solvers.leg_bandage.leg_mesh import leg_mesh, tube
 from solvers.leg_bandage.outputs import MMHG
-from solvers.leg_bandage.solution import Tolerances
-from solvers.leg_bandage.surfaces import Mandrel
 from solvers.leg_bandage.verification.flat_patch import MARGIN, SIDE, press, settlement_exactly
-from solvers.leg_bandage.verification.mandrel import ring_on_tube, ring_wrap, wind
-from solvers.leg_bandage.wrapping import Wrap
-
-
-def fabric(tension):
-    """A fabric without cross contraction and with next to no bending stiffness."""
-    return replace(at_tension(tension, NOMINAL), nu12=0.0, F1=1e-4, F2=1e-4, tau12=1e-4)
+from solvers.leg_bandage.verification.grid_refinement import observed_order, refined
+from solvers.leg_bandage.verification.legs import most_conical, named, slope, validation_leg
+from solvers.leg_bandage.verification.sweeps import Case, solve_all
+from solvers.leg_bandage.verification.wound import (
+    band_on_cylinder,
+    band_on_soft_tube,
+    capstan,
+    creep_on_cone,
+    curvature,
+    spiral_exactly,
+    spiral_on_cylinder,
+    stretches_on_cone,
+    string_on_ellipse,
+)
 
 
 @pytest.mark.parametrize("tension, mmhg", [(0.059, 9.835), (0.098, 16.335), (0.137, 22.835)])
 def test_band_on_rigid_cylinder(tension, mmhg):
     """V2, Laplace's law p = T / r for one layer on r = 45 mm, uniform up to the edges."""
-    ring = wind(Mandrel(45, 45), ring_wrap(20), fabric(tension), ContactLaw(0.0), 48, 4, ring=True)
-    u = ring.let_go()
-    report = ring.skin.report(u)
-    force = np.sum(report["p"] * ring.skin.points.area)
-    assert force / (2 * np.pi * 45 * 20) / MMHG == pytest.approx(mmhg, rel=4e-3)
-    assert report["p"].std() < 0.01 * report["p"].mean()
+    found = band_on_cylinder(tension)
+    assert found.mean == pytest.approx(mmhg, rel=4e-3)
+    assert found.scatter < 0.01
 
 
 def test_spiral_on_rigid_cylinder():
     """V2 and V4: two layers at pitch 50 on r = 45 press n T cos^2(beta) / r = 31.68 mmHg.
 
-    tan(beta) = pitch / (2 pi r). Turns are pitch cos(beta) apart, so that the mean over a
-    turn has n = width / (pitch cos(beta)) = 2.03 layers. Upper layers reach the skin only
-    through lower ones.
+    Turns are pitch cos(beta) apart, so that the mean over a turn has n = 2.03 layers.
     """
-    per_turn, wrap = 44, Wrap(0, 200, 50, 1.3, 100, 0.02)
-    spiral = wind(Mandrel(45, 45), wrap, fabric(0.098), ContactLaw(0.2), 4 * per_turn, 20,
-                  between=ContactLaw(0.6))
-    u = spiral.let_go()
-    row = spiral.skin.points.nodes[:, 0] // 22
-    turn = (row >= 1.5 * per_turn) & (row < 2.5 * per_turn)
-    force = np.sum((spiral.skin.report(u)["p"] * spiral.skin.points.area)[turn])
-    beta = np.arctan(50 / (2 * np.pi * 45))
-    two_layers = 2 * 0.098 * np.cos(beta) ** 2 / 45 / MMHG
+    two_layers, exact = spiral_exactly()
     assert two_layers == pytest.approx(31.68, abs=0.01)
-    exact = two_layers * 100 / (50 * np.cos(beta)) / 2
-    assert force / (2 * np.pi * 45 * 50) / MMHG == pytest.approx(exact, rel=4e-3)
+    assert spiral_on_cylinder() == pytest.approx(exact, rel=4e-3)
 
 
 @pytest.mark.parametrize("a, b, ends", [(50, 44, (37.97, 25.87)), (55, 40, (50.54, 19.44))])
 def test_frictionless_string_on_an_ellipse(a, b, ends):
     """V5: without friction the tension is uniform and p = T curvature at every point."""
-    ring = wind(Mandrel(a, b), ring_wrap(10), fabric(0.098), ContactLaw(0.0), 96, 2, ring=True)
-    u = ring.let_go()
-    report = ring.skin.report(u)
-    middle = np.column_stack([np.arange(96) + 0.5, np.ones(96)])
-    tension = ring.shell.fabric.tension(ring.shell.at(u, middle).warp_stretch)
-    assert np.ptp(tension) < 5e-3 * tension.mean()
-
-    def curvature(angle):
-        return a * b / (a**2 * np.sin(angle) ** 2 + b**2 * np.cos(angle) ** 2) ** 1.5
-
-    ratio = report["p"] / (tension.mean() * curvature(report["xi"][:, 0]))
-    assert np.abs(ratio - 1).mean() < 4e-3 and np.abs(ratio - 1).max() < 2e-2
-    assert 2 * 0.098 / MMHG * curvature(np.array([0, np.pi / 2])) == pytest.approx(ends, abs=0.01)
+    found = string_on_ellipse(a, b)
+    assert found.tension < 5e-3
+    assert found.mean < 4e-3 and found.worst < 2e-2
+    exact = 2 * 0.098 / MMHG * curvature(a, b, np.array([0, np.pi / 2]))
+    assert exact == pytest.approx(ends, abs=0.01)
 
 
 @pytest.mark.parametrize("mu, ratio", [(0.1, 1.3691), (0.2, 1.8745), (0.3, 2.5663)])
 def test_capstan(mu, ratio):
     """V6, Euler 1769: T2 / T1 = exp(mu theta) once the whole strip slides."""
-    half_turn = Wrap(0, 1e-9, 2e-9, 1.1, 10, 1e-3)
-    rope = wind(Mandrel(40, 40), half_turn, fabric(0.098), ContactLaw(mu), 60, 2)
-    problem, u = rope.problem, np.zeros(rope.X.size)
-    rope.skin.release(u)
-    last = np.arange(rope.strip.size).reshape(62, 4)[-2:].ravel()
-    for angle in 0.03 * np.arange(1, 13):
-        c, s = np.cos(angle), np.sin(angle)
-        turned = rope.X[last] @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-        u = u.copy()
-        u.reshape(-1, 3)[last] = turned - rope.X[last]
-        problem.viscosity.coefficient, problem.viscosity.origin = 1e-8, u
-        u, _ = problem.newton(u)
-        rope.skin.accept(u)
-    middle = np.column_stack([np.arange(60) + 0.5, np.ones(60)])
-    field = rope.shell.at(u, middle)
-    theta = np.arctan2(field.point[:, 1], field.point[:, 0])
-    tension = rope.shell.fabric.tension(field.warp_stretch)
-    inner = slice(5, 55)
-    slope = np.polyfit(np.unwrap(theta)[inner], np.log(tension[inner]), 1)[0]
-    assert np.exp(slope * np.pi) == pytest.approx(ratio, rel=1e-2)
+    assert capstan(mu) == pytest.approx(ratio, rel=1e-2)
 
 
 @pytest.mark.parametrize("tension, radius", [(0.098, 45.0), (0.137, 35.0)])
@@ -104,35 +64,17 @@ def test_capstan(mu, ratio):
 def test_hoop_on_a_cone_slides_below_tan_alpha(alpha, tension, radius):
     """V7: a hoop on a cone slides exactly when mu < tan(alpha), whatever T and r.
 
-    10 % below, it is still creeping after eight steps at ever smaller viscosity; 10 %
-    above, it rests after less than the elastic slip and its own settling.
+    10 % below, it is still creeping after eight steps; 10 % above, it rests after less
+    than the elastic slip and its own settling.
     """
-    limits = Tolerances(force=1e-7, passing=1e-4, rest=1e-9, steps=8, viscosity=(1e-4, 0.5))
-    moved = {}
-    for share in (0.9, 1.1):
-        law = ContactLaw(share * np.tan(alpha))
-        hoop = wind(Mandrel(radius, radius, np.tan(alpha)), ring_wrap(20, height=60.0),
-                    fabric(tension), law, 48, 4, ring=True, tolerances=limits)
-        u = np.zeros(hoop.X.size)
-        hoop.skin.release(u)
-        for _ in range(8):
-            hoop.problem.viscosity.coefficient, hoop.problem.viscosity.origin = 1e-4, u
-            u, _ = hoop.problem.newton(u)
-            hoop.skin.accept(u)
-        moved[share] = np.ptp([0.0, u.reshape(-1, 3)[:, 2].min()])
-    assert moved[1.1] < 0.08
-    assert moved[0.9] > 0.6
+    assert creep_on_cone(alpha, 1.1, tension, radius) < 0.08
+    assert creep_on_cone(alpha, 0.9, tension, radius) > 0.6
 
 
 def test_edge_stretches_on_a_cone():
     """V7: stretch across the width is lambda0 (1 + y sin(alpha) / r), as laid."""
-    hoop = wind(Mandrel(40, 40, np.tan(0.1)), ring_wrap(20, height=60.0), fabric(0.098),
-                ContactLaw(0.2), 48, 4, ring=True)
-    at = np.column_stack([np.full(3, 20.5), [0.0, 2.0, 4.0]])
-    field = hoop.shell.at(np.zeros(hoop.X.size), at)
-    radius = np.linalg.norm(field.point[1, :2])
-    exact = 1.3 * (1 + np.array([-10, 0, 10]) * np.sin(0.1) / radius)
-    assert np.allclose(field.warp_stretch, exact, rtol=1e-3)
+    found, exact = stretches_on_cone()
+    assert np.allclose(found, exact, rtol=1e-3)
 
 
 @pytest.mark.parametrize("K1, radius, stretch, mmhg", [(0.196667, 46.70512, 1.291844, 9.2175)])
@@ -142,20 +84,11 @@ def test_hoop_band_in_contact_with_a_soft_tube(K1, radius, stretch, mmhg):
     The same ring is the curved patch test V8: bandage and skin do not match (44 rows
     on 36 cells round the tube, 5 on 4 along it), and the exact pressure is uniform.
     """
-    mesh = leg_mesh(tube(47.0), tube(15.0), np.linspace(0, 20, 5), 36, 10)
-    cloth = replace(fabric(0.3 * K1), F1=0.01, F2=0.01, tau12=0.01)
-    ring, _ = ring_on_tube(mesh, cloth, 0.005, 14.3, ContactLaw(0.2), 44, 5)
-    start, _ = ring.problem.newton(np.zeros(ring.X.size))
-    u = ring.let_go(start)
-    field = ring.shell.at(u, np.column_stack([np.arange(44) + 0.5, np.full(44, 2.5)]))
-    skin = (ring.X + u.reshape(-1, 3))[mesh.skin[:, 2]]
-    assert np.linalg.norm(skin[:, :2], axis=1).mean() == pytest.approx(radius, abs=0.02)
-    assert field.warp_stretch.mean() == pytest.approx(stretch, rel=1e-3)
-    report = ring.skin.report(u)
-    area = 2 * np.pi * np.linalg.norm(skin[:, :2], axis=1).mean() * 20
-    force = np.sum(report["p"] * ring.skin.points.area)
-    assert force / area / MMHG == pytest.approx(mmhg, rel=0.01)
-    assert report["p"].std() < 0.02 * report["p"].mean()
+    found = band_on_soft_tube(K1)
+    assert found.radius == pytest.approx(radius, abs=0.02)
+    assert found.stretch == pytest.approx(stretch, rel=1e-3)
+    assert found.pressure == pytest.approx(mmhg, rel=0.01)
+    assert found.scatter < 0.02
 
 
 @pytest.mark.parametrize("cells, elements, twist, settled", [
@@ -168,10 +101,10 @@ def test_flat_patch(cells, elements, twist, settled):
     """V8, flat: a uniform load on the strip reaches a soft block as a uniform pressure.
 
     Meshes do not match, and are turned against each other by up to `twist` rad (29 degrees).
-    Pressure is uniform to 0.3 % rms and 2 % at every contact point. The skin's cubic passes
-    1 / 24 of a cell's load over the strip's edge, so that the block sinks deeper than the
-    exact uniaxial strain by 2 % on 8 cells and 0.6 % on 16: the settlement is a convergence,
-    the pressure is the patch test. The floor carries the whole load.
+    Pressure is uniform to 0.3 % rms and 2 % at every contact point, and the floor carries the
+    whole load. The settlement is a convergence and no patch test: the skin's cubic passes
+    1 / 24 of a cell's load over the strip's edge, so that the block sinks deeper than in exact
+    uniaxial strain by 2 % on 8 cells and 0.6 % on 16.
     """
     load = 30 * MMHG
     patch = press(load, cells, elements, twist)
@@ -181,3 +114,56 @@ def test_flat_patch(cells, elements, twist, settled):
     assert abs(sunk.mean()) < settled and sunk.std() < 0.04
     area = np.prod([SIDE + 2 * MARGIN * SIDE / n for n in cells[:2]])
     assert patch.reaction == pytest.approx(load * area, rel=1e-3)
+
+
+@pytest.mark.parametrize("order", [0.7, 1.3, 2.0])
+def test_a_limit_is_found_where_the_meshes_tell_it(order):
+    """f + C h^p gives back f and p, by Richardson on three meshes and least squares on four."""
+    sizes = np.array([1, 1 / 1.5, 1 / 2, 1 / 2.5])
+    values = 30 + 2 * sizes**order
+    assert observed_order(sizes[:3], values[:3]) == pytest.approx(order, rel=1e-6)
+    for n in (3, 4):
+        found = refined(sizes[:n], values[:n])
+        assert found.limit == pytest.approx(30, abs=1e-4)
+        assert found.order == pytest.approx(order, abs=1e-3)
+        assert found.uncertainty == pytest.approx(1.25 * (values[:n] - 30), rel=1e-3)
+
+
+def test_no_limit_is_made_up_where_the_meshes_do_not_tell_it():
+    """Three values that turn round have three times their range as uncertainty, and no limit."""
+    found = refined([1, 1 / 1.5, 1 / 2], [31.0, 30.9, 31.1])
+    assert np.isnan(found.limit) and np.isnan(found.order)
+    assert found.uncertainty == pytest.approx(3 * 0.2 * np.ones(3))
+    assert np.isnan(observed_order([3, 2, 1], [31.0, 30.9, 31.1]))
+
+
+def test_uncertainty_of_four_meshes_holds_a_limit_behind_scatter():
+    """Scatter of the size of the trend: of 200 draws at least 95 % hold the limit on each mesh."""
+    rng = np.random.default_rng(0)
+    sizes = np.array([1, 1 / 1.5, 1 / 2, 1 / 2.5])
+    held = []
+    for _ in range(200):
+        values = 31 + 0.1 * sizes**2 + rng.normal(0, 0.05, 4)
+        held.append(np.abs(values - 31) < refined(sizes, values).uncertainty)
+    assert np.mean(held, axis=0).min() > 0.95
+
+
+def test_most_conical_legs():
+    """A leg is steep when its girth grows fast: the corners' steepest is that of `conical`."""
+    corners, legs = most_conical(3)
+    assert corners[0] == named("conical")
+    slopes = [slope(validation_leg(i)) for i in legs]
+    assert slopes == sorted(slopes, reverse=True) and slopes[0] > slope(validation_leg(0))
+
+
+def test_a_sweep_keeps_its_rows_and_tells_what_failed(tmp_path):
+    """Runs in the table are not repeated; a leg that cannot be is a row with its sentence."""
+    table = tmp_path / "runs.csv"
+    cases = [Case("too short", {"leg_length": 20.0}), Case("none", {"tensoin": 0.1})]
+    first = list(solve_all(cases, "coarse", table=table))
+    assert {row["case"]: row["message"][:10] for row in first} == {
+        "too short": "leg_length", "none": "tensoin: n"}
+    kept = table.read_text()
+    again = list(solve_all(cases, "coarse", table=table))
+    assert [row["message"] for row in again] == [row["message"] for row in first]
+    assert table.read_text() == kept

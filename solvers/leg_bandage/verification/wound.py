@@ -1,0 +1,181 @@
+"""Bandages on mandrels, cones and a soft tube: what they answer, and what they must.
+
+Each function solves one problem and returns (ours, exact) or what a check looks at; tests
+put tolerances on them, `benchmarks/verification_contact.py` prints them. Fabric without
+cross contraction and with next to no bending stiffness. Units: N, mm, MPa, pressures in mmHg.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from solvers.leg_bandage.bandages import NOMINAL, at_tension
+from solvers.leg_bandage.fabric import Fabric
+from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.leg_mesh import leg_mesh, tube
+from solvers.leg_bandage.outputs import MMHG
+from solvers.leg_bandage.solution import Tolerances
+from solvers.leg_bandage.surfaces import Mandrel
+from solvers.leg_bandage.verification.mandrel import ring_on_tube, ring_wrap, wind
+from solvers.leg_bandage.wrapping import Wrap
+
+
+def limp(tension: float) -> Fabric:
+    """A fabric of a tension (N/mm at stretch 1.3) and nothing else to speak of."""
+    return replace(at_tension(tension, NOMINAL), nu12=0.0, F1=1e-4, F2=1e-4, tau12=1e-4)
+
+
+class Pressed(NamedTuple):
+    """Mean pressure (mmHg) and its standard deviation over the mean."""
+
+    mean: float
+    scatter: float
+
+
+def band_on_cylinder(tension: float, r: float = 45.0, width: float = 20.0) -> Pressed:
+    """V2: one layer on a rigid cylinder; exact: Laplace's law T / r."""
+    ring = wind(Mandrel(r, r), ring_wrap(width), limp(tension), ContactLaw(0.0), 48, 4, ring=True)
+    u = ring.let_go()
+    p = ring.skin.report(u)["p"]
+    force = np.sum(p * ring.skin.points.area)
+    return Pressed(float(force / (2 * np.pi * r * width) / MMHG), float(p.std() / p.mean()))
+
+
+def spiral_on_cylinder(per_turn: int = 44) -> float:
+    """V2 and V4: mean over a turn (mmHg) of two layers at pitch 50 mm on r = 45 mm.
+
+    Upper layers reach the skin only through lower ones.
+    """
+    wrap = Wrap(0, 200, 50, 1.3, 100, 0.02)
+    spiral = wind(Mandrel(45, 45), wrap, limp(0.098), ContactLaw(0.2), 4 * per_turn, 20,
+                  between=ContactLaw(0.6))
+    u = spiral.let_go()
+    row = spiral.skin.points.nodes[:, 0] // 22
+    turn = (row >= 1.5 * per_turn) & (row < 2.5 * per_turn)
+    force = np.sum((spiral.skin.report(u)["p"] * spiral.skin.points.area)[turn])
+    return float(force / (2 * np.pi * 45 * 50) / MMHG)
+
+
+def spiral_exactly() -> tuple[float, float]:
+    """2 T cos^2(beta) / r, and n T cos^2(beta) / r with n = width / (pitch cos(beta)), mmHg.
+
+    tan(beta) = pitch / (2 pi r); turns are pitch cos(beta) apart, so that the mean over a turn
+    has n = 2.03 layers.
+    """
+    beta = np.arctan(50 / (2 * np.pi * 45))
+    two = 2 * 0.098 * np.cos(beta) ** 2 / 45 / MMHG
+    return float(two), float(two * 100 / (50 * np.cos(beta)) / 2)
+
+
+class String(NamedTuple):
+    """A frictionless string on an ellipse, each relative.
+
+    tension  range of the tension over its mean
+    mean     of |p / (T kappa) - 1|
+    worst    of the same
+    """
+
+    tension: float
+    mean: float
+    worst: float
+
+
+def string_on_ellipse(a: float, b: float) -> String:
+    """V5: exact are a uniform tension T and p = T kappa at every point."""
+    ring = wind(Mandrel(a, b), ring_wrap(10), limp(0.098), ContactLaw(0.0), 96, 2, ring=True)
+    u = ring.let_go()
+    report = ring.skin.report(u)
+    middle = np.column_stack([np.arange(96) + 0.5, np.ones(96)])
+    tension = ring.shell.fabric.tension(ring.shell.at(u, middle).warp_stretch)
+    off = np.abs(report["p"] / (tension.mean() * curvature(a, b, report["xi"][:, 0])) - 1)
+    return String(float(np.ptp(tension) / tension.mean()), float(off.mean()), float(off.max()))
+
+
+def curvature(a: float, b: float, angle):
+    """Of the ellipse (a cos, b sin) at a parameter angle, 1/mm."""
+    return a * b / (a**2 * np.sin(angle) ** 2 + b**2 * np.cos(angle) ** 2) ** 1.5
+
+
+def capstan(mu: float) -> float:
+    """V6: T2 / T1 over half a turn once the whole strip slides; exact exp(mu pi) (Euler 1769)."""
+    rope = wind(Mandrel(40, 40), Wrap(0, 1e-9, 2e-9, 1.1, 10, 1e-3), limp(0.098),
+                ContactLaw(mu), 60, 2)
+    problem, u = rope.problem, np.zeros(rope.X.size)
+    rope.skin.release(u)
+    last = np.arange(rope.strip.size).reshape(62, 4)[-2:].ravel()
+    for angle in 0.03 * np.arange(1, 13):
+        c, s = np.cos(angle), np.sin(angle)
+        turned = rope.X[last] @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+        u = u.copy()
+        u.reshape(-1, 3)[last] = turned - rope.X[last]
+        problem.viscosity.coefficient, problem.viscosity.origin = 1e-8, u
+        u, _ = problem.newton(u)
+        rope.skin.accept(u)
+    field = rope.shell.at(u, np.column_stack([np.arange(60) + 0.5, np.ones(60)]))
+    theta = np.unwrap(np.arctan2(field.point[:, 1], field.point[:, 0]))
+    tension = rope.shell.fabric.tension(field.warp_stretch)
+    inner = slice(5, 55)
+    return float(np.exp(np.pi * np.polyfit(theta[inner], np.log(tension[inner]), 1)[0]))
+
+
+def creep_on_cone(alpha: float, share: float, tension: float, radius: float) -> float:
+    """V7: how far (mm) a hoop creeps down a cone at mu = share tan(alpha) in eight steps.
+
+    Exact: it rests when share is above 1 and never does below, whatever T and r.
+    """
+    limits = Tolerances(force=1e-7, passing=1e-4, rest=1e-9, steps=8, viscosity=(1e-4, 0.5))
+    hoop = wind(Mandrel(radius, radius, np.tan(alpha)), ring_wrap(20, height=60.0),
+                limp(tension), ContactLaw(share * np.tan(alpha)), 48, 4, ring=True,
+                tolerances=limits)
+    u = np.zeros(hoop.X.size)
+    hoop.skin.release(u)
+    for _ in range(8):
+        hoop.problem.viscosity.coefficient, hoop.problem.viscosity.origin = 1e-4, u
+        u, _ = hoop.problem.newton(u)
+        hoop.skin.accept(u)
+    return float(np.ptp([0.0, u.reshape(-1, 3)[:, 2].min()]))
+
+
+def stretches_on_cone(alpha: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
+    """V7: stretch of lower edge, midline and upper edge as laid, ours and exact.
+
+    Exact is 1.3 (1 + y sin(alpha) / r), y from the midline.
+    """
+    hoop = wind(Mandrel(40, 40, np.tan(alpha)), ring_wrap(20, height=60.0), limp(0.098),
+                ContactLaw(0.2), 48, 4, ring=True)
+    at = np.column_stack([np.full(3, 20.5), [0.0, 2.0, 4.0]])
+    field = hoop.shell.at(np.zeros(hoop.X.size), at)
+    radius = np.linalg.norm(field.point[1, :2])
+    return field.warp_stretch, 1.3 * (1 + np.array([-10, 0, 10]) * np.sin(alpha) / radius)
+
+
+class OnTube(NamedTuple):
+    """A band on a soft tube: radius (mm), stretch, pressure (mmHg), its scatter over its mean."""
+
+    radius: float
+    stretch: float
+    pressure: float
+    scatter: float
+
+
+def band_on_soft_tube(K1: float) -> OnTube:
+    """V3 through contact, V8 curved: T = K1 (b / r0 - 1), p = T / b on a tube of c10 = 5 kPa.
+
+    Bandage and skin do not match: 44 rows on 36 cells round the tube, 5 on 4 along it.
+    `thick_cylinder.hooped_exactly` has the answer; its pressure is uniform.
+    """
+    mesh = leg_mesh(tube(47.0), tube(15.0), np.linspace(0, 20, 5), 36, 10)
+    cloth = replace(limp(0.3 * K1), F1=0.01, F2=0.01, tau12=0.01)
+    ring, _ = ring_on_tube(mesh, cloth, 0.005, 14.3, ContactLaw(0.2), 44, 5)
+    start, _ = ring.problem.newton(np.zeros(ring.X.size))
+    u = ring.let_go(start)
+    field = ring.shell.at(u, np.column_stack([np.arange(44) + 0.5, np.full(44, 2.5)]))
+    skin = (ring.X + u.reshape(-1, 3))[mesh.skin[:, 2]]
+    radius = float(np.linalg.norm(skin[:, :2], axis=1).mean())
+    p = ring.skin.report(u)["p"]
+    force = np.sum(p * ring.skin.points.area)
+    return OnTube(radius, float(field.warp_stretch.mean()),
+                  float(force / (2 * np.pi * radius * 20) / MMHG), float(p.std() / p.mean()))
