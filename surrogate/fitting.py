@@ -216,11 +216,12 @@ def _left_out(fitted, prepared, coded, values, groups) -> np.ndarray:
     """Predictions by fits without each fold: the estimator's closed form, or refits."""
     if hasattr(fitted, "leave_out"):
         return fitted.leave_out(groups)
+    refit = fitted.refitted if isinstance(fitted, Field) else None
     result = np.full(values.shape, np.nan)
     for group in np.unique(groups):
         inside = groups == group
         try:
-            rest = clone(prepared).fit(coded[~inside], values[~inside])
+            rest = (refit or clone(prepared).fit)(coded[~inside], values[~inside])
         except (ValueError, np.linalg.LinAlgError, FitError):
             continue  # too few runs are left: stays NaN, which Fit.q2 reports
         result[inside] = rest.predict(coded[inside])

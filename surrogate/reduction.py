@@ -30,10 +30,16 @@ def reduced_text(study: Study, screening: Screening) -> str:
 
 
 def _forget(data: dict[str, Any], frozen: Container[str]) -> None:
-    """Drop correlations of frozen parameters."""
+    """Drop frozen parameters from correlations and groups."""
     rows = [[first, second, value] for first, second, value in data.get("correlation", ())
             if first not in frozen and second not in frozen]
     if rows:
         data["correlation"] = rows
     else:
         data.pop("correlation", None)
+    sensitivity = data.get("sensitivity") or {}
+    if "groups" in sensitivity:
+        left = {group: [name for name in members if name not in frozen]
+                for group, members in sensitivity["groups"].items()}
+        data["sensitivity"] = {**sensitivity, "groups": {
+            group: members for group, members in left.items() if members}}

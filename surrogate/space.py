@@ -154,6 +154,10 @@ class Space:
     parameters: tuple[Parameter, ...]
     correlation: tuple[tuple[float, ...], ...] | None = None
 
+    def __deepcopy__(self, memo) -> Space:
+        """Itself: nothing in it changes, and scikit-learn copies it with every regressor."""
+        return self
+
     def __post_init__(self):
         if not self.parameters:
             raise StudyError("a space needs at least one parameter")

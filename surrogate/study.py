@@ -257,15 +257,22 @@ class Study:
         row = table.sel(surrogate=fit.surrogate, output=fit.output)
         q2 = float(row["q2_test"] if np.isfinite(row["q2_test"]) else row["q2_cv"])
         taken = parameters_of(method.function)
-        return {name: value for name, value in (("seed", 0), ("q2", q2)) if name in taken}
+        offered = {"seed": 0, "q2": q2, "groups": method.groups}
+        return {name: value for name, value in offered.items() if name in taken}
 
     def screening(self, fits: Fits, table: xr.Dataset | None,
                   indices: xr.Dataset | None) -> Screening | None:
-        """Which parameters to keep; None when the study does not ask or nothing could be read."""
+        """Which parameters to keep; None when the study does not ask or nothing could be read.
+
+        Outputs that vote and could not be fitted are left aside; `unfitted` names them.
+        """
         if self.screening_rule is None or indices is None:
             return None
+        wanted = self.screening_rule.outputs or self.outputs
+        voting = [name for name in wanted if name in indices["output"].values]
         return decide(indices, self.screening_rule.freeze_below, space=self.space,
-                      fits=self._analysed(fits, table), nominal=self._nominal, seed=0)
+                      fits=self._analysed(fits, table), outputs=voting, nominal=self._nominal,
+                      seed=0) if voting else None
 
     @property
     def _nominal(self) -> dict[str, float | str]:
@@ -364,6 +371,8 @@ def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
     designs = reading.designs_of(notes, space)
     surrogates = reading.surrogates_of(notes, designs, space)
     sensitivity = reading.sensitivity_of(notes, space)
+    if solver:
+        reading.check_screening(notes, outputs)
     stored_runs = reading.stored_of(notes)
     validation = reading.validation_of(notes, solver, space, outputs, constants, _reference) \
         if solver else None

@@ -138,12 +138,16 @@ class SensitivityPart(OpenPart):
     method: str = "sobol"
     surrogate: str = Field("best", description="A surrogate's name, or best.")
     confidence: float = Field(0.95, gt=0, lt=1)
+    groups: dict[Name, tuple[str, ...]] = Field({}, description="Parameters whose share of the "
+                                                "variance is asked for as a whole.")
 
 
 class ScreeningPart(Part):
-    """Freeze a parameter when its total index is surely below this."""
+    """Freeze a parameter when its total index is surely below a limit."""
 
     freeze_below: float = Field(0.02, gt=0, lt=1)
+    outputs: Texts = Field((), description="Outputs that vote: a parameter is frozen when it "
+                           "hardly moves any of them. Default: all of the study's.")
 
 
 class ValidationPart(Part):

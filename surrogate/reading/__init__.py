@@ -3,6 +3,7 @@
 from surrogate.reading.methods import (
     SensitivityMethod,
     Surrogate,
+    check_screening,
     designs_of,
     sensitivity_of,
     surrogates_of,
@@ -13,5 +14,5 @@ from surrogate.reading.solver import constants_of, outputs_of, solver_of, space_
 from surrogate.reading.validation import cases_at, check_cases, validation_of
 
 __all__ = ["Reading", "SensitivityMethod", "Surrogate", "cases_at", "check_cases",
-           "constants_of", "designs_of", "outputs_of", "sensitivity_of", "sentences", "solver_of",
-           "space_of", "stored_of", "surrogates_of", "validation_of"]
+           "check_screening", "constants_of", "designs_of", "outputs_of", "sensitivity_of",
+           "sentences", "solver_of", "space_of", "stored_of", "surrogates_of", "validation_of"]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -15,13 +15,14 @@ from surrogate.designs.design import Design
 from surrogate.errors import StudyError, nearest
 from surrogate.fitting import minimum_runs
 from surrogate.reading.notes import Reading
+from surrogate.sensitivity import groups as grouping
 from surrogate.space import Space
 from surrogate.studyfile import DesignPart, SurrogatePart
 
 #: Parameters of plug-ins that the framework fills in; they are not options.
 GIVEN_TO_DESIGNS = ("space", "coded", "folder")
 GIVEN_TO_REGRESSORS = ("space",)
-GIVEN_TO_SENSITIVITY = ("fit", "space", "confidence", "q2")
+GIVEN_TO_SENSITIVITY = ("fit", "space", "confidence", "q2", "groups")
 
 
 @dataclass(frozen=True)
@@ -36,13 +37,14 @@ class Surrogate:
 
 @dataclass(frozen=True)
 class SensitivityMethod:
-    """The entry `sensitivity:`: a function, its options, and the surrogate it reads."""
+    """The entry `sensitivity:`: a function, its options, the surrogate it reads, groups."""
 
     name: str
     function: Any
     options: Mapping[str, Any]
     surrogate: str = "best"
     confidence: float = 0.95
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def designs_of(reading: Reading, space: Space | None) -> dict[str, Design]:
@@ -172,6 +174,26 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
             reading.wrong("screening decides by the total indices of method sobol, not "
                           f"{part.method}; change the method, or drop screening",
                           "screening", on_key=True)
+        _check_groups(reading, part.method, function)
         return SensitivityMethod(part.method, function, part.options,
-                                 part.surrogate, part.confidence)
+                                 part.surrogate, part.confidence, part.groups)
     return None
+
+
+def _check_groups(reading: Reading, name: str, function) -> None:
+    groups, path = reading.part.sensitivity.groups, ("sensitivity", "groups")
+    if groups and "groups" not in plugins.parameters_of(function):
+        reading.wrong(f"method {name} knows no groups; use method shapley or sobol, or drop them",
+                      *path, on_key=True)
+        return
+    broken = [str(one[1]) for one in reading.broken if one[0] == "parameters" and len(one) > 1]
+    for place, sentence in grouping.mistakes(groups, [*reading.part.parameters, *broken]):
+        reading.wrong(sentence, *path, *place, on_key=len(place) == 1)
+
+
+def check_screening(reading: Reading, outputs: Iterable[str]) -> None:
+    """Only outputs of the study can vote."""
+    for index, name in enumerate(reading.part.screening.outputs if reading.part.screening else ()):
+        if name not in outputs:
+            reading.wrong(f"the study has no output '{name}'; {nearest(name, outputs)}",
+                          "screening", "outputs", index)

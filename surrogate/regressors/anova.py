@@ -8,11 +8,12 @@ expectation factors into one-dimensional ones:
 (Sobol' 1993; Oakley and O'Hagan 2004, equations 10 to 12). With g_tj given at the
 nodes of a quadrature of each input's law, the indices are exact to that quadrature.
 Polynomials, polynomial chaos and the mean of a product-kernel Gaussian process have
-this form.
+this form. A group of inputs counts as one input: its factors are products too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,12 +21,17 @@ import numpy as np
 from surrogate.errors import FitError
 from surrogate.space import Space
 
+#: Lists of input numbers that count as one input each; they share no input.
+Groups = Sequence[Sequence[int]]
+
 
 @dataclass(frozen=True, eq=False)
 class SobolIndices:
     """Shares of the variance: first_order (d,), total (d,), second_order (d, d) symmetric.
 
-    All zero for a constant function, whose variance is 0.
+    For groups of inputs, those of the groups: first_order (g,) is what a group explains
+    without the other inputs, total (g,) what is gone when it rests. All zero for a constant
+    function, whose variance is 0.
     """
 
     first_order: np.ndarray
@@ -54,34 +60,34 @@ def marginals(space: Space | None, size: int, order: int) -> list[tuple]:
     return [parameter.quadrature(order) for parameter in space.parameters]
 
 
-def sobol_indices(coefficients, factors, weights) -> SobolIndices:
-    """Indices of f = sum_t c_t prod_j g_tj(x_j).
+def sobol_indices(coefficients, factors, weights, groups: Groups | None = None) -> SobolIndices:
+    """Indices of f = sum_t c_t prod_j g_tj(x_j), of each input or of groups of inputs.
 
     coefficients  (T,)
     factors       d arrays (T, m_j): g_tj at the nodes of input j
     weights       d arrays (m_j,): quadrature weights of input j, each summing to 1
     """
-    return sobol_indices_of_many(np.asarray(coefficients)[:, None], factors, weights)[0]
+    return sobol_indices_of_many(np.asarray(coefficients)[:, None], factors, weights, groups)[0]
 
 
-def sobol_indices_of_many(coefficients, factors, weights) -> list[SobolIndices]:
+def sobol_indices_of_many(coefficients, factors, weights, groups: Groups | None = None,
+                          cut: float = 0.0) -> list[SobolIndices]:
     """Indices of functions with the same factors: coefficients (T, functions).
 
-    Terms may be complex as long as each function is real.
+    Terms may be complex as long as each function is real. cut: leave out directions of the
+    factors with less than this share of the leading one's square, for speed; see `_shortened`.
     """
-    c, size = np.asarray(coefficients), len(factors)
+    c = np.asarray(coefficients)
     means = np.array([g @ w for g, w in zip(factors, weights, strict=True)])
     centred = [g - m[:, None] for g, m in zip(factors, means, strict=True)]
-    variance, unexplained = _total_variances(c, means, centred, weights)
-    alone, pairs = np.zeros((size, c.shape[1])), np.zeros((size, size, c.shape[1]))
-    for i in range(size):
-        scaled = c.T * np.delete(means, i, axis=0).prod(axis=0)
-        alone[i] = (scaled @ centred[i]).real ** 2 @ weights[i]
-        for j in range(i):
-            scaled = c.T * np.delete(means, [i, j], axis=0).prod(axis=0)
-            pairs[i, j] = pairs[j, i] = [
-                weights[i] @ ((centred[i].T * one) @ centred[j]).real ** 2 @ weights[j]
-                for one in scaled]
+    if cut:
+        centred = [_shortened(g, w, cut) for g, w in zip(centred, weights, strict=True)]
+        weights = [np.ones(g.shape[1]) for g in centred]
+    if groups is None:
+        variance, unexplained = _total_variances(c, means, centred, weights)
+        alone, pairs = _low_order(c, means, centred, weights)
+    else:
+        variance, alone, unexplained, pairs = _of_groups(c, means, centred, weights, groups)
     base = means.prod(axis=0)
     # A variance within rounding of the terms' own size is that of a constant.
     floor = 1e-28 * (np.abs(c).T @ np.abs(base)) ** 2
@@ -98,32 +104,101 @@ def shifted(indices: SobolIndices, constant: float) -> SobolIndices:
     return replace(indices, mean=indices.mean + constant)
 
 
+def _shortened(centred, weights, cut: float) -> np.ndarray:
+    """Factors (T, r) on r orthonormal directions, which then all have weight 1.
+
+    Indices are made of inner products over the nodes, which a rotation leaves as they are;
+    a direction that is left out takes with it just what the functions have along it.
+    """
+    root = centred * np.sqrt(weights)
+    squares, directions = np.linalg.eigh(root.T @ root)
+    return root @ directions[:, squares > cut * squares[-1]]
+
+
+def _low_order(c, means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
+    """Var E[f | x_i] (d, functions) and the parts of pairs (d, d, functions)."""
+    size = len(centred)
+    alone, pairs = np.zeros((size, c.shape[1])), np.zeros((size, size, c.shape[1]))
+    for i in range(size):
+        scaled = c.T * np.delete(means, i, axis=0).prod(axis=0)
+        alone[i] = (scaled @ centred[i]).real ** 2 @ weights[i]
+        for j in range(i):
+            scaled = c.T * np.delete(means, [i, j], axis=0).prod(axis=0)
+            pairs[i, j] = pairs[j, i] = [
+                weights[i] @ ((centred[i].T * one) @ centred[j]).real ** 2 @ weights[j]
+                for one in scaled]
+    return alone, pairs
+
+
+def _of_groups(c, means, centred, weights, groups: Groups):
+    """Var f (functions,), Var E[f | x_G], E[Var(f | all but x_G)] (g, functions), pairs.
+
+    The factors of a group are products, so its covariances and second moments follow from
+    those of its inputs, and the formulas of single inputs hold for it.
+    """
+    groups = [list(group) for group in groups]
+    size, count = len(centred), len(groups)
+    rests = [[j for j in range(size) if j not in group] for group in groups]
+    joined = [_joined(group, means, centred, weights)[0] for group in groups]
+    alone, unexplained = np.zeros((2, count, c.shape[1]))
+    pairs = np.zeros((count, count, c.shape[1]))
+    for g, rest in enumerate(rests):
+        others, moments = _joined(rest, means, centred, weights)
+        lone = means[rest].prod(axis=0)
+        alone[g] = _quadratic(joined[g], lone[:, None] * c)
+        unexplained[g] = _quadratic(joined[g] * moments, c)
+        for h in range(g):
+            lone = means[[j for j in rest if j not in groups[h]]].prod(axis=0)
+            pairs[g, h] = pairs[h, g] = _quadratic(joined[g] * joined[h], lone[:, None] * c)
+    variance = unexplained[-1] + _quadratic(others, means[groups[-1]].prod(axis=0)[:, None] * c)
+    return variance, *(np.maximum(part, 0.0) for part in (alone, unexplained, pairs))
+
+
+def _joined(inputs: Iterable[int], means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
+    """Covariances and second moments (T, T) of the products of these inputs' factors."""
+    count = means.shape[1]
+    covariance, moments = np.zeros((count, count)), np.ones((count, count))
+    for j in inputs:
+        own, lone = _products(j, means, centred, weights)
+        covariance = covariance * lone + moments * own
+        moments = moments * (own + lone)
+    return covariance, moments
+
+
 def _total_variances(c, means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
     """Var f (functions,) and E[Var(f | all but x_i)] (d, functions).
 
     With C_j the covariances (T, T) of the factors of input j and M_j = C_j + m_j m_j'
-    their second moments, E[Var(f | x_~i)] = c' (C_i o prod_{j != i} M_j) c, and Var f
-    telescopes over the inputs: sum_i c' (C_i o prod_{j < i} M_j o prod_{j > i} m_j m_j') c,
-    so that no large numbers are subtracted.
+    their second moments, E[Var(f | x_~i)] = c' (C_i o prod_{j != i} M_j) c. The covariances
+    of the products over all inputs, whose quadratic form is Var f, are built up input by
+    input, so that no large numbers are subtracted: see `_joined`.
     """
-    size, variance = len(centred), np.zeros(c.shape[1])
-    below = [np.ones((len(c), len(c)))]
-    for j in range(size - 1):
-        below.append(below[-1] * _moments(centred[j], weights[j], means[j]))
-    above, unexplained = np.ones((len(c), len(c))), np.zeros((size, c.shape[1]))
+    size, shape = len(centred), (len(c), len(c))
+    below, everything = [np.ones(shape)], np.zeros(shape)
+    for j in range(size):
+        own, lone = _products(j, means, centred, weights)
+        everything *= lone
+        everything += below[-1] * own
+        own += lone
+        below.append(below[-1] * own)
+    above, unexplained = below.pop(), np.zeros((size, c.shape[1]))
+    above.fill(1.0)
     for i in reversed(range(size)):
-        varying = ((centred[i] * weights[i]) @ centred[i].T) * below[i]
-        unexplained[i] = np.maximum(_quadratic(varying * above, c), 0.0)
-        variance += _quadratic(varying, means[i + 1:].prod(axis=0)[:, None] * c)
-        above = above * _moments(centred[i], weights[i], means[i])
-    return variance, unexplained
+        own, lone = _products(i, means, centred, weights)
+        varying = below.pop()
+        varying *= own
+        varying *= above
+        unexplained[i] = np.maximum(_quadratic(varying, c), 0.0)
+        own += lone
+        above *= own
+    return _quadratic(everything, c), unexplained
+
+
+def _products(j: int, means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
+    """C_j and m_j m_j' of one input's factors, each (T, T)."""
+    return (centred[j] * weights[j]) @ centred[j].T, np.outer(means[j], means[j])
 
 
 def _quadratic(matrix, c) -> np.ndarray:
     """c_k' matrix c_k for each column of c (T, functions)."""
     return (c * (matrix @ c)).sum(axis=0).real
-
-
-def _moments(centred, weights, mean) -> np.ndarray:
-    """E[g_t g_s] of one input's factors, shape (T, T)."""
-    return (centred * weights) @ centred.T + np.outer(mean, mean)

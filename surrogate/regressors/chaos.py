@@ -100,15 +100,22 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         """Predictions (n,) of each run without it, the choice of terms kept."""
         return self.model_.leave_one_out()
 
-    def sobol_indices(self) -> anova.SobolIndices:
-        """Sobol' indices: sums of squared coefficients (Sudret 2008, equations 38 to 43)."""
+    def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
+        """Sobol' indices: sums of squared coefficients (Sudret 2008, equations 38 to 43).
+
+        Of inputs or groups; an input in no group then counts as one by itself.
+        """
         check_is_fitted(self)
-        size = len(self.bases_)
-        anova.quadratures(self.space, size, 1)  # raises when inputs are correlated
+        anova.quadratures(self.space, len(self.bases_), 1)  # raises when inputs are correlated
+        kept = [[i] for i in range(len(self.bases_))] if groups is None else groups
+        grouped = [*kept, *([i] for i in range(len(self.bases_))
+                            if not any(i in group for group in kept))]
+        of = {i: g for g, group in enumerate(grouped) for i in group}
+        size = len(grouped)
         first, total, second = np.zeros(size), np.zeros(size), np.zeros((size, size))
         parts = self.coef_**2
         for index, part in zip(self.indices_, parts, strict=True):
-            inputs = [i for i, _ in index]
+            inputs = list(dict.fromkeys(of[i] for i, _ in index))
             total[inputs] += part
             if len(inputs) == 1:
                 first[inputs] += part
@@ -117,8 +124,9 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         # The constant is always the first of the chosen terms.
         variance = float(parts[1:].sum())
         share = 1.0 / variance if variance > 0.0 else 0.0
-        return anova.SobolIndices(first * share, total * share, second * share, variance,
-                                  float(self.coef_[0]))
+        own = slice(len(kept))
+        return anova.SobolIndices(first[own] * share, total[own] * share,
+                                  second[own, own] * share, variance, float(self.coef_[0]))
 
     def portable(self) -> dict:
         """JSON-able description; see `surrogate.regressors.portable`."""

@@ -15,7 +15,11 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
 
-from surrogate.regressors.anova import SobolIndices
+from surrogate.regressors.anova import Groups, SobolIndices
+
+#: Draws of a field differ in the indices of the modes that hold this share of its variance;
+#: the many modes beyond could not move an index of the field by more than the rest.
+DRAWN = 0.999
 
 
 def _offered(name: str):
@@ -31,7 +35,8 @@ class Field(RegressorMixin, BaseEstimator):
 
     Fitted: `shape_` of a field, `mean_` (size,), `modes_` (k, size) orthonormal,
     `estimators_` (k), `truncation_error_` (RMS of what the modes leave out, relative to the
-    RMS of the fluctuations; 0 for a constant field), `left_out_` (size,) its RMS by place.
+    RMS of the fluctuations; 0 for a constant field), `left_out_` (size,) its RMS by place,
+    `leading_` how many modes hold the share `DRAWN` of the variance.
     """
 
     def __init__(self, estimator, explained=0.9999):
@@ -40,6 +45,29 @@ class Field(RegressorMixin, BaseEstimator):
 
     def fit(self, X, y):
         """Fit to coded points X (n, d) and fields y (n, ...)."""
+        amplitudes = self._decompose(y)
+        self.estimators_ = [clone(self.estimator).fit(X, own) for own in amplitudes.T]
+        self.n_features_in_ = np.shape(X)[1]
+        return self
+
+    def refitted(self, X, y) -> Field:
+        """A field fitted to some of the runs: modes of its own, regressors near these.
+
+        The regressor of a mode starts from that of this field's mode with the same number,
+        where it offers `refitted`; a mode beyond those is fitted from nothing.
+        """
+        check_is_fitted(self)
+        other = clone(self)
+        amplitudes = other._decompose(y)
+        near = [getattr(model, "refitted", clone(self.estimator).fit)
+                for model in self.estimators_[:amplitudes.shape[1]]]
+        near += [clone(self.estimator).fit for _ in range(amplitudes.shape[1] - len(near))]
+        other.estimators_ = [fit(X, own) for fit, own in zip(near, amplitudes.T, strict=True)]
+        other.n_features_in_ = np.shape(X)[1]
+        return other
+
+    def _decompose(self, y) -> np.ndarray:
+        """Mean and modes of fields y (n, ...); returns the amplitudes (n, k)."""
         flat = np.asarray(y, dtype=float).reshape(len(y), -1)
         self.shape_ = np.shape(y)[1:]
         self.mean_ = flat.mean(axis=0)
@@ -51,12 +79,11 @@ class Field(RegressorMixin, BaseEstimator):
         else:
             count = min(int(np.searchsorted(energy, self.explained * energy[-1])) + 1, len(s))
             self.truncation_error_ = float(np.sqrt(max(1.0 - energy[count - 1] / energy[-1], 0.0)))
-        self.modes_ = vt[:count]
+        self.modes_, self.found_ = vt[:count], {}
+        self.leading_ = min(int(np.searchsorted(energy, DRAWN * energy[-1])) + 1, count)
         left = (u[:, count:] * s[count:]) @ vt[count:]
         self.left_out_ = np.sqrt((left**2).mean(axis=0))
-        self.estimators_ = [clone(self.estimator).fit(X, u[:, k] * s[k]) for k in range(count)]
-        self.n_features_in_ = np.shape(X)[1]
-        return self
+        return u[:, :count] * s[:count]
 
     def minimum_runs(self, space) -> int:
         """Runs that the regressor of one mode needs."""
@@ -88,15 +115,36 @@ class Field(RegressorMixin, BaseEstimator):
         return fields, np.sqrt(variance).reshape(len(X), *self.shape_)
 
     @_offered("sobol_indices")
-    def sobol_indices(self) -> SobolIndices:
+    def sobol_indices(self, groups: Groups | None = None) -> SobolIndices:
         """Indices of the field's variance summed over its places, exact where the modes' are.
 
         The modes are orthonormal, so variances of amplitudes add: S_i = sum_k V_k S_ki / sum_k
         V_k (Lamboni, Monod and Makowski 2011, generalised sensitivity indices).
         """
         check_is_fitted(self)
-        return _summed([model.sobol_indices() for model in self.estimators_],
-                       self.n_features_in_, self.mean_)
+        return self._summed(self._of_modes(groups), groups)
+
+    def _of_modes(self, groups: Groups | None) -> list[SobolIndices]:
+        """Indices of each mode's amplitude, computed once for the groups asked for."""
+        asked = None if groups is None else tuple(map(tuple, groups))
+        if asked not in self.found_:
+            given = () if asked is None else (asked,)  # a regressor need not know groups
+            self.found_[asked] = [model.sobol_indices(*given) for model in self.estimators_]
+        return self.found_[asked]
+
+    def _summed(self, modes: Sequence[SobolIndices], groups: Groups | None) -> SobolIndices:
+        """Indices of a sum over orthonormal modes; all zero for a field that does not vary."""
+        size = self.n_features_in_ if groups is None else len(groups)
+        variances = np.array([mode.variance for mode in modes])
+        total = float(variances.sum())
+        weights = variances / total if total > 0.0 else np.zeros_like(variances)
+
+        def share(name: str, *shape: int) -> np.ndarray:
+            return sum((w * getattr(mode, name) for w, mode in zip(weights, modes, strict=True)),
+                       start=np.zeros(shape))
+
+        return SobolIndices(share("first_order", size), share("total", size),
+                            share("second_order", size, size), total, float(self.mean_.mean()))
 
     @_offered("posterior_draws")
     def posterior_draws(self, size: int, seed=None) -> list[FieldDraw]:
@@ -128,21 +176,9 @@ class FieldDraw:
         values = np.array([draw.predict(X) for draw in self.amplitudes]).reshape(-1, len(X)).T
         return (self.field.mean_ + values @ self.field.modes_).reshape(len(X), *self.field.shape_)
 
-    def sobol_indices(self) -> SobolIndices:
+    def sobol_indices(self, groups: Groups | None = None) -> SobolIndices:
         """Indices of its variance summed over places; see `Field.sobol_indices`."""
-        return _summed([draw.sobol_indices() for draw in self.amplitudes],
-                       self.field.n_features_in_, self.field.mean_)
-
-
-def _summed(modes: Sequence[SobolIndices], size: int, mean: np.ndarray) -> SobolIndices:
-    """Indices of a sum over orthonormal modes; all zero for a field that does not vary."""
-    variances = np.array([mode.variance for mode in modes])
-    total = float(variances.sum())
-    weights = variances / total if total > 0.0 else np.zeros_like(variances)
-
-    def share(name: str, *shape: int) -> np.ndarray:
-        return sum((w * getattr(mode, name) for w, mode in zip(weights, modes, strict=True)),
-                   start=np.zeros(shape))
-
-    return SobolIndices(share("first_order", size), share("total", size),
-                        share("second_order", size, size), total, float(mean.mean()))
+        given = () if groups is None else (groups,)
+        leading = self.field.leading_
+        modes = [draw.sobol_indices(*given) for draw in self.amplitudes[:leading]]
+        return self.field._summed([*modes, *self.field._of_modes(groups)[leading:]], groups)

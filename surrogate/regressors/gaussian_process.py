@@ -31,6 +31,9 @@ TRENDS = ("constant", "linear")
 SUBSET = 300
 #: Up to this number of runs a left-out fold has its own lengths and nugget.
 REFIT = 200
+#: Relative change of the deviance at which a search ends: of the fit, and of a refit to
+#: most of the runs, whose lengths need fewer digits.
+FINE, ROUGH = 2e-9, 1e-6
 QUADRATURE = 96
 
 
@@ -57,6 +60,24 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
 
     def fit(self, X, y):
         """Fit to coded points X (n, d) and values y (n,)."""
+        self._take(X, y)
+        self._set(self._search(self._starts()))
+        return self
+
+    def refitted(self, X, y) -> GaussianProcess:
+        """A process fitted to other runs of nearly the same function.
+
+        One search, from this one's lengths and nugget; above `REFIT` runs they are kept.
+        """
+        check_is_fitted(self)
+        other = GaussianProcess(**self.get_params(deep=False))
+        other._take(X, y)
+        few = len(other.points_) <= REFIT
+        other._set(other._search(self.logs_[None], ROUGH) if few else self.logs_)
+        return other
+
+    def _take(self, X, y) -> None:
+        """Runs in numeric columns and standardised values."""
         X, y = validate_data(self, X, y, y_numeric=True, ensure_min_samples=2)
         self._check(X)
         self.columns_ = columns(self.space, X.shape[1])
@@ -65,8 +86,6 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         if self.scale_ <= 1e-14 * np.abs(y).max():
             self.scale_ = 0.0
         self.standard_ = (y - self.offset_) / (self.scale_ or 1.0)
-        self._set(self._search(self._starts()))
-        return self
 
     def _check(self, X) -> None:
         if self.trend not in TRENDS:
@@ -110,24 +129,24 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         guesses[0, -1] = np.log(1e-4)
         return np.clip(guesses, *bounds.T)
 
-    def _search(self, starts: np.ndarray) -> np.ndarray:
+    def _search(self, starts: np.ndarray, end: float = FINE) -> np.ndarray:
         """Most probable log lengths and log nugget found."""
         if self.scale_ == 0.0:
             return starts[0]
         n = len(self.points_)
         if n > SUBSET:
             chosen = np.random.default_rng(self.seed).permutation(n)[:SUBSET]
-            starts = self._local(chosen, starts)[None]
-        return self._local(np.arange(n), starts)
+            starts = self._local(chosen, starts, end)[None]
+        return self._local(np.arange(n), starts, end)
 
-    def _local(self, chosen: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    def _local(self, chosen: np.ndarray, starts: np.ndarray, end: float) -> np.ndarray:
         """Best end (c + 1,) of local searches on some runs from each start."""
         points = self.points_[chosen]
         posterior = Posterior(points, self._checked_trend(points), self.standard_[chosen])
-        ends = [optimize.minimize(posterior, start, jac=True, method="L-BFGS-B",
-                                  bounds=self._bounds(), options={"maxiter": 200})
-                for start in starts]
-        return min(ends, key=lambda end: end.fun).x
+        found = [optimize.minimize(posterior, start, jac=True, method="L-BFGS-B",
+                                   bounds=self._bounds(), options={"maxiter": 200, "ftol": end})
+                 for start in starts]
+        return min(found, key=lambda one: one.fun).x
 
     def _set(self, logs: np.ndarray) -> None:
         self.lengths_, self.nugget_ = np.exp(logs[:-1]), float(np.exp(logs[-1]))
@@ -197,7 +216,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         other = GaussianProcess(**self.get_params(deep=False))
         other.columns_, other.points_ = self.columns_, self.points_[~inside]
         other.standard_, other.scale_ = self.standard_[~inside], self.scale_
-        other._set(other._search(self.logs_[None]))
+        other._set(other._search(self.logs_[None], ROUGH))
         points = self.points_[inside]
         return self.offset_ + self.scale_ * (
             other.trend_columns(points) @ other.trend_
@@ -221,8 +240,8 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         drawn = paths.draw(self, size, seed)
         return [paths.Draw(drawn, number) for number in range(size)]
 
-    def sobol_indices(self) -> anova.SobolIndices:
-        """Sobol' indices of the mean under the space's law, exact to rounding.
+    def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
+        """Sobol' indices of the mean under the space's law, of inputs or groups; exact.
 
         Rounding grows with the weights: 1e-11 for a hundred smooth runs, 1e-5 for five hundred.
         """
@@ -230,7 +249,8 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         rules = anova.quadratures(self.space, self.n_features_in_, QUADRATURE)
         factors = [self.factor(j, nodes) for j, (nodes, _) in enumerate(rules)]
         coefficients = self.scale_ * np.append(self.state_.weights, self.trend_)
-        return anova.shifted(anova.sobol_indices(coefficients, factors, [w for _, w in rules]),
+        weights = [w for _, w in rules]
+        return anova.shifted(anova.sobol_indices(coefficients, factors, weights, groups),
                              self.offset_)
 
     def own_columns(self, parameter: int, nodes: np.ndarray) -> tuple[list[int], np.ndarray]:

@@ -81,7 +81,8 @@ def condition(matrix: np.ndarray, F: np.ndarray, y: np.ndarray) -> Conditioned:
     n, q = F.shape
     factor = linalg.cholesky(matrix, lower=True, check_finite=False)
     inverse = linalg.lapack.dpotri(factor, lower=1)[0]
-    inverse = np.tril(inverse) + np.tril(inverse, -1).T
+    inverse += inverse.T  # the upper triangle was zero, so only the diagonal is doubled
+    np.fill_diagonal(inverse, 0.5 * inverse.diagonal())
     solved = inverse @ F
     information = F.T @ solved
     gain = np.linalg.inv(information)

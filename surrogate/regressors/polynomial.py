@@ -100,14 +100,14 @@ class TermRegressor(RegressorMixin, BaseEstimator):
         return regression.table(self.model_, self.points_, confidence=confidence,
                                 deterministic=deterministic)
 
-    def sobol_indices(self) -> anova.SobolIndices:
-        """Exact Sobol' indices of the polynomial under the space's law."""
+    def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
+        """Exact Sobol' indices of the polynomial under the space's law, of inputs or groups."""
         check_is_fitted(self)
         of, highest = self.columns_, max((q for term in self.terms_ for _, q in term), default=1)
         rules = anova.quadratures(self.space, self.n_features_in_, highest + 1)
         factors = [self._factor(parameter, nodes, of)
                    for parameter, (nodes, _) in enumerate(rules)]
-        return anova.sobol_indices(self.coef_, factors, [weights for _, weights in rules])
+        return anova.sobol_indices(self.coef_, factors, [weights for _, weights in rules], groups)
 
     def _factor(self, parameter: int, nodes: np.ndarray, of: tuple[Column, ...]) -> np.ndarray:
         """Part of each term that depends on one parameter, (p, m) at its nodes (m,)."""

@@ -66,6 +66,13 @@ def rows_learnt(fit: Fit, coded: np.ndarray) -> np.ndarray:
     return np.array([known.get(_key(point), -1) for point in coded], dtype=int)
 
 
+def learnt_only_from(content: Content, design: str) -> list[str]:
+    """Surrogates that have seen no run outside this design."""
+    points = {_key(point) for point in content.coded[content.words("design") == design]}
+    return [name for name, by_output in content.fits.items()
+            if all(_key(point) in points for fit in by_output.values() for point in fit.coded)]
+
+
 def _key(point) -> tuple:
     return tuple(np.round(np.asarray(point, dtype=float), 9) + 0.0)
 

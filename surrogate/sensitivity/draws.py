@@ -29,6 +29,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from sklearn.base import clone
@@ -78,7 +79,7 @@ class Measure:
     def of(self, estimator) -> Indices:
         """first_order, total, second_order of one estimator."""
         if self.closed:
-            return closed_form(estimator)
+            return closed_form(estimator, self.groups)
         return ratios(product_moments(estimator.predict, self.space, groups=self.groups,
                                       samples=SAMPLES, scramblings=1, seed=self.seed)[0])
 
@@ -90,9 +91,30 @@ class Measure:
         return [ratios(columns @ columns.T / pairs) for columns in np.moveaxis(values, 2, 0)]
 
 
-def closed_form(estimator) -> Indices:
+@dataclass(frozen=True)
+class Together:
+    """Several measures of the same estimators, one after another."""
+
+    parts: tuple[Measure, ...]
+
+    @property
+    def closed(self) -> bool:
+        """True when some part takes the estimator's own indices."""
+        return any(part.closed for part in self.parts)
+
+    def of(self, estimator) -> tuple[np.ndarray, ...]:
+        """Indices of all parts."""
+        return tuple(chain.from_iterable(part.of(estimator) for part in self.parts))
+
+    def of_functions(self, functions, pairs: int) -> list[tuple[np.ndarray, ...]]:
+        """The same for each column of functions(coded) (run, count)."""
+        found = [part.of_functions(functions, pairs) for part in self.parts]
+        return [tuple(chain.from_iterable(one)) for one in zip(*found, strict=True)]
+
+
+def closed_form(estimator, groups: Groups | None = None) -> Indices:
     """first_order, total, second_order (NaN on its diagonal) of an estimator that knows them."""
-    indices = estimator.sobol_indices()
+    indices = estimator.sobol_indices() if groups is None else estimator.sobol_indices(groups)
     second = np.array(indices.second_order, dtype=float)
     np.fill_diagonal(second, np.nan)
     return np.asarray(indices.first_order), np.asarray(indices.total), second

@@ -23,6 +23,7 @@ from scipy import stats
 from surrogate.errors import StudyError
 from surrogate.sensitivity.conditional import Pairs
 from surrogate.sensitivity.draws import closed_form, spread
+from surrogate.sensitivity.groups import Named, numbers
 from surrogate.sensitivity.model import Model, model, require_at_least
 from surrogate.sensitivity.pick_freeze import (
     BLOCK,
@@ -38,39 +39,42 @@ ALL_SUBSETS = 8
 ORDERS = 16
 #: Points on which effects of drawn surrogates are set side by side.
 SAMPLES = 256
-NAMES = ("shapley", "closed_first_order", "independent_total")
+NAMES = ("shapley", "closed_first_order", "independent_total", "group_shapley")
 
 Subset = tuple[int, ...]
 
 
-def shapley(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**12,
-            scramblings: int = 8, draws: int = 50, q2: float | None = None,
-            q2_needed: float = Q2_NEEDED) -> xr.Dataset:
+def shapley(fit, space: Space, *, groups: Named | None = None, seed=0, confidence: float = 0.95,
+            samples: int = 2**12, scramblings: int = 8, draws: int = 50,
+            q2: float | None = None, q2_needed: float = Q2_NEEDED) -> xr.Dataset:
     """Shapley effects of one output, for independent and for dependent parameters.
 
-    Arguments as for `sobol`. Variables `shapley` (sums to 1), `closed_first_order` =
-    Var E[f | x_i] / Var f and `independent_total` = E[Var(f | x outside i)] / Var f, which
-    are the Sobol' indices when parameters are independent; each with `_low`, `_high`,
-    `_sampling`, `_surrogate`. Closed form where a surrogate has no interactions above second
-    order and parameters are independent.
+    Arguments as for `sobol`. Effects sum to 1, so a group's is the sum of its parameters':
+    `group_shapley` over dimension `group`, with an interval of its own. Variables `shapley`
+    (sums to 1), `closed_first_order` = Var E[f | x_i] / Var f and `independent_total` =
+    E[Var(f | x outside i)] / Var f, which are the Sobol' indices when parameters are
+    independent; each with `_low`, `_high`, `_sampling`, `_surrogate`. Closed form where a
+    surrogate has no interactions above second order and parameters are independent.
     """
     require_at_least(4, scramblings=scramblings)
     require_at_least(8, samples=samples)
     one = model(fit, space, q2=q2)
     exact = space.independent and _second_order(one.estimator) is not None
-    measure = Measure(space, exact, seed)
+    grouped = numbers(space, groups)
+    measure = Measure(space, exact, seed, tuple(map(tuple, grouped)))
     if exact:
         values = measure.of(one.estimator)
         half = tuple(np.zeros_like(value) for value in values)
     else:
-        values, half = _sampled(one, samples, scramblings, confidence, seed)
+        values, half = _sampled(one, measure, samples, scramblings, confidence)
     spreads = spread(one, measure, draws=draws, confidence=confidence, seed=seed)
     variables = {}
-    for name, value, width, part in zip(NAMES, values, half, spreads, strict=True):
+    for name, value, width, part in zip(NAMES[:len(values)], values, half, spreads, strict=True):
         estimate = Estimate(value, width, part.below, part.above)
-        variables |= estimate.columns(name, ("parameter",), (0.0, 1.0))
+        dims = ("group",) if name.startswith("group") else ("parameter",)
+        variables |= estimate.columns(name, dims, (0.0, 1.0))
     return dataset(one, variables, method="shapley", confidence=confidence, q2_needed=q2_needed,
-                   computed="closed form" if exact else "sampling",
+                   groups=groups, computed="closed form" if exact else "sampling",
                    surrogate_part=spreads[0].how)
 
 
@@ -81,16 +85,27 @@ class Measure:
     space: Space
     closed: bool
     seed: int | None = 0
+    groups: tuple[Subset, ...] = ()
 
     def of(self, estimator) -> tuple[np.ndarray, ...]:
-        """The three kinds of effects of one estimator, each (d,)."""
+        """The three kinds of effects of one estimator, each (d,); and the groups' (g,)."""
         if self.closed:
-            return _second_order(estimator)
-        return effects(self._increases(estimator.predict).sum(axis=-1))
+            return self.summed(_second_order(estimator))
+        return self.effects(self._increases(estimator.predict).sum(axis=-1))
+
+    def effects(self, parts: np.ndarray) -> tuple[np.ndarray, ...]:
+        """The same from unscaled effects (3, d)."""
+        return self.summed(effects(parts))
+
+    def summed(self, found: tuple[np.ndarray, ...]) -> tuple[np.ndarray, ...]:
+        """The effects, and the sum of the Shapley effects of each group if there are some."""
+        sums = np.array([found[0][list(group)].sum() for group in self.groups])
+        return (*found, sums) if self.groups else found
 
     def of_functions(self, functions, pairs: int) -> list[tuple[np.ndarray, ...]]:
         """The same for each column of functions(coded) (run, count)."""
-        return [effects(parts) for parts in np.moveaxis(self._increases(functions, pairs), -1, 0)]
+        return [self.effects(parts)
+                for parts in np.moveaxis(self._increases(functions, pairs), -1, 0)]
 
     def _increases(self, predict, runs: int = SAMPLES) -> np.ndarray:
         generator = np.random.default_rng(self.seed)
@@ -110,14 +125,14 @@ def _second_order(estimator) -> tuple[np.ndarray, ...] | None:
     return first + 0.5 * pairs.sum(axis=1), first, total
 
 
-def _sampled(one: Model, samples: int, scramblings: int, confidence: float, seed):
+def _sampled(one: Model, measure: Measure, samples: int, scramblings: int, confidence: float):
     """Effects and half-widths of their sampling intervals."""
     runs = per_scrambling(samples, scramblings)
     parts = []
-    for generator in np.random.default_rng(seed).spawn(scramblings):
+    for generator in np.random.default_rng(measure.seed).spawn(scramblings):
         blocks = unit_blocks(2 * one.space.size, runs, min(runs, _block(one)), generator)
         parts.append(increases(one.predict, one.space, blocks, runs, generator).sum(axis=-1))
-    values, errors = jackknife(effects, np.stack(parts))
+    values, errors = jackknife(measure.effects, np.stack(parts))
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, scramblings - 1)
     return values, tuple(quantile * error for error in errors)
 

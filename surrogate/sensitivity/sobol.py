@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from surrogate.sensitivity.draws import Measure, Spread, closed_form, spread
+from surrogate.sensitivity.draws import Measure, Together, spread
+from surrogate.sensitivity.groups import Named, knows_groups, numbers
 from surrogate.sensitivity.model import Model, model, require_independent
 from surrogate.sensitivity.pick_freeze import pick_freeze
 from surrogate.sensitivity.table import Q2_NEEDED, Estimate, dataset
@@ -16,12 +17,13 @@ INDICES = ("first_order", "total", "second_order")
 SHARE = (0.0, 1.0)
 
 
-def sobol(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**14,
-          scramblings: int = 8, draws: int = 100, exact: bool = True,
+def sobol(fit, space: Space, *, groups: Named | None = None, seed=0, confidence: float = 0.95,
+          samples: int = 2**14, scramblings: int = 8, draws: int = 100, exact: bool = True,
           q2: float | None = None, q2_needed: float = Q2_NEEDED) -> xr.Dataset:
     """First-order, total and second-order Sobol' indices of one output.
 
     fit          a `Fit`, or a function of coded points (then there is no surrogate part)
+    groups       name -> parameters whose share is asked for as a whole
     samples      pairs of points, when there is no closed form; see `pick_freeze`
     draws        how many equally plausible surrogates show the surrogate's part; 0 for none
     exact        False to sample even where the estimator knows `sobol_indices()`
@@ -31,40 +33,55 @@ def sobol(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int =
     Returns the dataset of `sensitivity.nc`: each index with `_low`, `_high` (whole
     interval), `_sampling`, `_surrogate` (half-widths), and `total_worst`, the largest total
     index that the solver can have if everything the surrogate misses belongs to that
-    parameter. Raises `StudyError` for correlated parameters.
+    parameter. With groups besides, over dimension `group`: `group_first_order`, the share that
+    a group explains without the other parameters (its closed index), and `group_total`.
+    Raises `StudyError` for correlated parameters and for groups that overlap.
     """
     require_independent(space, "sobol")
     one = model(fit, space, q2=q2)
     exact = exact and hasattr(one.estimator, "sobol_indices")
     options = {"samples": samples, "scramblings": scramblings, "seed": seed}
-    values, half = _closed(one) if exact else _sampled(one, confidence, options)
-    spreads = spread(one, Measure(space, closed=exact, seed=seed), draws=draws,
-                     confidence=confidence, seed=seed)
+    measures = [Measure(space, closed=exact, seed=seed)]
+    if grouped := numbers(space, groups):
+        measures.append(Measure(space, grouped, exact and knows_groups(one.estimator), seed))
+    values, half = [], []
+    for measure in measures:
+        found = _closed(one, measure) if measure.closed else \
+            _sampled(one, measure, confidence, options)
+        values += found[0]
+        half += found[1]
+    spreads = spread(one, Together(tuple(measures)), draws=draws, confidence=confidence, seed=seed)
     variables = {}
-    for k, name in enumerate(INDICES):
-        dims = ("parameter", "parameter_2")[: values[k].ndim]
-        variables |= _estimate(values[k], half[k], spreads[k]).columns(name, dims, SHARE)
+    for (name, dims), value, width, part in zip(_named(values), values, half, spreads,
+                                                strict=True):
+        estimate = Estimate(value, width, part.below, part.above)
+        variables |= estimate.columns(name, dims, SHARE) if dims else {}
     variables["total_worst"] = (("output", "parameter"), [worst_case(values[1], one.q2)])
     return dataset(one, variables, method="sobol", confidence=confidence, q2_needed=q2_needed,
-                   computed="closed form" if exact else "sampling",
+                   groups=groups, computed="closed form" if exact else "sampling",
                    surrogate_part=spreads[0].how)
 
 
 sobol.needs_independent = True
 
 
-def _estimate(value, half, surrogate: Spread) -> Estimate:
-    return Estimate(value, half, surrogate.below, surrogate.above)
+def _named(values: list) -> list[tuple[str, tuple[str, ...]]]:
+    """Name and dimensions of each index; no dimensions for what is not reported."""
+    named = [("first_order", ("parameter",)), ("total", ("parameter",)),
+             ("second_order", ("parameter", "parameter_2")),
+             ("group_first_order", ("group",)), ("group_total", ("group",)), ("", ())]
+    return named[:len(values)]
 
 
-def _closed(one: Model) -> tuple[tuple, tuple]:
+def _closed(one: Model, measure: Measure) -> tuple[tuple, tuple]:
     """Indices in closed form, with no sampling error."""
-    values = closed_form(one.estimator)
+    values = measure.of(one.estimator)
     return values, tuple(np.zeros_like(value) for value in values)
 
 
-def _sampled(one: Model, confidence: float, options: dict) -> tuple[tuple, tuple]:
-    sampled = pick_freeze(one.predict, one.space, confidence=confidence, **options)
+def _sampled(one: Model, measure: Measure, confidence: float, options: dict) -> tuple[tuple, tuple]:
+    sampled = pick_freeze(one.predict, one.space, groups=measure.groups, confidence=confidence,
+                          **options)
     values = tuple(getattr(sampled, name) for name in INDICES)
     return values, tuple(sampled.half[name] for name in INDICES)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from surrogate.sensitivity.groups import Named
 from surrogate.sensitivity.model import Model
 
 #: Below this Q2 a surrogate is commonly held to be too poor for sensitivity analysis
@@ -47,16 +48,21 @@ class Estimate:
 
 
 def dataset(model: Model, variables: Mapping, *, method: str, confidence: float,
-            q2_needed: float = Q2_NEEDED, **attributes) -> xr.Dataset:
-    """The dataset of one output: dimensions output, parameter (and parameter_2).
+            q2_needed: float = Q2_NEEDED, groups: Named | None = None,
+            **attributes) -> xr.Dataset:
+    """The dataset of one output: dimensions output, parameter (and parameter_2, group).
 
-    Attributes: surrogate, method, confidence, `refused` (empty, or the sentence that the
-    report stamps over the figures), and what else is given.
+    The coordinate `members` tells what belongs to each group. Attributes: surrogate, method,
+    confidence, `refused` (empty, or the sentence that the report stamps over the figures), and
+    what else is given.
     """
     names = list(model.space.names)
     coordinates = {"output": [model.output], "parameter": names}
     if any("parameter_2" in dims for dims, _ in variables.values()):
         coordinates["parameter_2"] = names
+    if groups:
+        coordinates["group"] = list(groups)
+        coordinates["members"] = ("group", [", ".join(members) for members in groups.values()])
     refusal = refuse(model, q2_needed)
     known = {"q2": ("output", [np.nan if model.q2 is None else model.q2]),
              "refused": ("output", [refusal])}

@@ -26,6 +26,8 @@ from surrogate.report.content import Content
 from surrogate.report.figures.coefficients import MOST, coefficient_plot
 from surrogate.report.figures.slices import slice_plots
 from surrogate.report.parity import rows_learnt
+from surrogate.report.sections import side_by_side
+from surrogate.report.sections.side_by_side import printed
 
 DETERMINISTIC = (
     "The solver gives the same answer to the same question, so the residuals are no noise: "
@@ -50,6 +52,8 @@ def blocks(content: Content, output: str) -> list:
         if content.deterministic:
             result.append(Text(DETERMINISTIC, "note"))
         result += [Text(words) for words in comparisons(content, output, list(tables))]
+        beside = side_by_side.table(content, output) if len(tables) > 1 else None
+        result += [beside] if beside else []
     for place, (name, table) in enumerate(tables.items()):
         inside = _regression(content, output, name, table)
         fold = Fold(f"{name}: {digits.quantity(table.sizes['term'], 'term')}", tuple(inside),
@@ -74,7 +78,7 @@ def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> 
         reading = (f"with {confidence} intervals; filled where zero lies outside the interval"
                    if intervals else "without intervals, because no runs are left to judge them by")
         parts.append(Figures((Figure(
-            coefficient_plot([_term(terms[k]) for k in known],
+            coefficient_plot([printed(terms[k]) for k in known],
                              *(columns[key][known] for key in ("coefficient", "low", "high")),
                              unit, name),
             f"Coefficients of {name} in coded units (half the change of {output} from the "
@@ -90,7 +94,7 @@ def _table(table: xr.Dataset, terms: list[str], unit: str, name: str) -> Table:
     for k, term in enumerate(terms):
         value = get["coefficient"][k]
         rows.append((
-            Cell(_term(term), term), _number(_matching(value, get["standard_error"][k]), value),
+            Cell(printed(term), term), _number(_matching(value, get["standard_error"][k]), value),
             _number(digits.figure(get["standard_error"][k], 2), get["standard_error"][k]),
             _number(digits.figure(get["t"][k]), get["t"][k]),
             _number(digits.p_value(get["p"][k]), get["p"][k]),
@@ -113,10 +117,6 @@ def _matching(value: float, error: float) -> str:
 
 def _number(words: str, value: float) -> Cell:
     return Cell(words, float(value) if np.isfinite(value) else None)
-
-
-def _term(term: str) -> str:
-    return "constant" if term == "1" else term.replace(":", " × ").replace("^2", "²")
 
 
 def sentences(table: xr.Dataset, unit: str) -> list[str]:

@@ -20,7 +20,7 @@ from surrogate.report.blocks import (
 from surrogate.report.content import Content
 from surrogate.report.figures.interactions import interaction_map
 from surrogate.report.figures.sobol import SHARE, Bars, index_bars, part_bars
-from surrogate.report.sections import measures
+from surrogate.report.sections import groups, measures
 from surrogate.report.sections.measures import index, method_of, names_of, sort_key
 
 #: Interactions listed by name.
@@ -57,7 +57,10 @@ def blocks(content: Content, output: str) -> list:
         shown = _sobol(content, output, table, stamp)
     else:
         shown = measures.blocks(table, output, content.unit(output), stamp)
-    return [title, *said, *shown]
+    grouped = groups.blocks(table, output, stamp)
+    if grouped:
+        grouped.insert(0, Heading("Groups of parameters", anchor(output, "groups")))
+    return [title, *said, *shown, *grouped]
 
 
 def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list:

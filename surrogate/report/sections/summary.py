@@ -7,7 +7,8 @@ import numpy as np
 from surrogate.report import digits
 from surrogate.report.blocks import Fact, Facts, Points, Section, Text
 from surrogate.report.content import POOR_Q2, Content
-from surrogate.report.sections import screening
+from surrogate.report.parity import learnt_only_from
+from surrogate.report.sections import groups, screening
 from surrogate.report.sections.accuracy import margin
 from surrogate.report.sections.designs import roman
 from surrogate.report.sections.indices import DECIMALS, of_output, refusal
@@ -46,7 +47,7 @@ def _facts(content: Content) -> list[Fact]:
         if content.best(output) is not None:
             facts.append(_best(content, output, suffix))
         if of_output(content, output) is not None:
-            facts.append(_matters(content, output, suffix))
+            facts += [_matters(content, output, suffix), *_groups(content, output, suffix)]
     if content.validation is not None:
         facts += [Fact("Closest to cases not seen" + (f": {output}" if several else ""), *words)
                   for output, *words in verdicts(content)]
@@ -116,6 +117,13 @@ def _matters(content: Content, output: str, suffix: str) -> Fact:
     return Fact(title, names[order[0]], f"{what}, largest first: {'; '.join(words)}.")
 
 
+def _groups(content: Content, output: str, suffix: str) -> list[Fact]:
+    table = of_output(content, output)
+    if "group" not in table.dims or refusal(content, output):
+        return []
+    return [Fact(f"Which group carries most of the variance{suffix}", *groups.answer(table))]
+
+
 def _frozen(decision: Screening) -> Fact:
     title = "What may be frozen"
     if decision.refused:
@@ -148,21 +156,12 @@ def warnings(content: Content) -> list[str]:
         said += [*_poor(content, output), *_saturated(content, output)]
         said += [words] if (words := refusal(content, output)) else []
     for design, aliasing in content.aliasing.items():
-        names = _learnt_only_from(content, design)
+        names = learnt_only_from(content, design)
         if aliasing.resolution == 3 and names:
             said.append(f"Design {design}, all that {digits.listing(names)} "
                         f"{'learns' if len(names) == 1 else 'learn'} from, has resolution "
                         f"{roman(3)}: main effects cannot be told from two-factor interactions.")
     return said
-
-
-def _learnt_only_from(content: Content, design: str) -> list[str]:
-    """Surrogates that have seen no run outside this design."""
-    inside = content.words("design") == design
-    points = {tuple(np.round(point, 9) + 0.0) for point in content.coded[inside]}
-    return [name for name, by_output in content.fits.items()
-            if all(tuple(np.round(point, 9) + 0.0) in points
-                   for fit in by_output.values() for point in fit.coded)]
 
 
 def _poor(content: Content, output: str) -> list[str]:
