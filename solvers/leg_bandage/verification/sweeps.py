@@ -1,24 +1,27 @@
 """Many runs of the bandage model, side by side, that outlive an interruption.
 
 Rows are appended to a table as they come; a run that the table already holds is not repeated,
-so that a sweep of hours can be stopped and taken up. A run that fails is a row with the
-sentence that it failed with.
+so that a sweep of hours can be stopped and taken up. Runs of other code are other runs.
+A run that fails is a row with the sentence that it failed with.
 """
 
 from __future__ import annotations
 
+import ast
 import csv
+import hashlib
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from functools import cache
 from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 
+import solvers.leg_bandage
 from solvers.leg_bandage.model import MESHES, Mesh
 from solvers.leg_bandage.plugin import LegBandage
 from solvers.leg_bandage.verification.legs import validation_leg
@@ -26,7 +29,7 @@ from surrogate.errors import SolverError
 
 READ = ("pressure_b1", "pressure_ankle", "pressure_calf", "stretch_midline", "slip_max", "steps",
         "iterations", "residual")
-KEYS = ("version", "mesh", "case", "leg", "inputs")
+KEYS = ("code", "mesh", "case", "leg", "inputs")
 COLUMNS = (*KEYS, *READ, "cut_backs", "unknowns", "seconds", "message")
 
 
@@ -41,7 +44,24 @@ class Case:
 
 def family(k: float) -> Mesh:
     """The mesh that is k times as fine as `coarse` in all directions; k in halves."""
-    return Mesh(*(round(k * size) for size in (24, 2, 24, 10)))
+    return Mesh(*(round(k * size) for size in astuple(MESHES["coarse"])))
+
+
+@cache
+def code() -> str:
+    """Digest of the package's statements; comments and docstrings do not count."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(solvers.leg_bandage.__file__).parent.glob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            if isinstance(getattr(node, "body", None), list):
+                node.body = [one for one in node.body if not _is_text(one)]
+        digest.update(path.name.encode() + ast.dump(tree).encode())
+    return digest.hexdigest()[:12]
+
+
+def _is_text(statement):
+    return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
 
 
 @cache
@@ -73,8 +93,9 @@ def solve(mesh: str, case: Case) -> dict[str, str | float]:
 
 
 def key_of(mesh: str, case: Case) -> dict[str, str]:
-    """What makes a run that run, as text."""
-    return {"version": LegBandage.version, "mesh": str(mesh), "case": case.name,
+    """What makes a run that run, as text; a mesh by its sizes, since names may change theirs."""
+    sizes = "x".join(map(str, astuple(solver_on(mesh).mesh)))
+    return {"code": code(), "mesh": sizes, "case": case.name,
             "leg": "" if case.leg is None else str(case.leg),
             "inputs": json.dumps(dict(case.inputs))}
 
