@@ -69,8 +69,9 @@ def observed_order(sizes: Sequence[float], values: Sequence[float]) -> float:
 def _few(h, f):
     p = observed_order(h, f) if len(h) == 3 else np.nan
     if np.isnan(p):
+        how = "two meshes" if len(h) == 2 else "no approach to a limit"
         return Refined(np.nan, np.nan, np.full(len(h), CAREFUL * np.ptp(f)),
-                       "not monotone: three times the range")
+                       f"{how}: three times the range")
     limit = f[2] + (f[2] - f[1]) / ((h[1] / h[2]) ** p - 1)
     believed = ORDERS[0] <= p <= ORDERS[1] + 0.1
     return Refined(limit, p, (SAFE if believed else CAREFUL) * np.abs(f - limit),
