@@ -1,7 +1,9 @@
 """Surrogates side by side: accuracy on common folds and on held-out runs, and cost.
 
 The best surrogate of an output has the largest cross-validated Q2; the test design
-judges it and takes no part in the choice (unless no surrogate can be cross-validated).
+judges it and takes no part in the choice, unless the surrogates learnt from different runs:
+errors left out of different runs do not compare, so the test design decides, and without one
+only those with the most runs compete.
 """
 
 from __future__ import annotations
@@ -175,21 +177,37 @@ def _squared_errors(fit: Fit) -> np.ndarray:
     return errors.reshape(len(errors), -1).mean(axis=1)
 
 
+def _scores(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) -> tuple[
+        np.ndarray, str]:
+    """Scores that decide on the best surrogate of an output, and what they are."""
+    learnt = [fits[name][output].coded if output in fits[name] else None for name in fits]
+    runs = [0 if coded is None else len(coded) for coded in learnt]
+    most = learnt[int(np.argmax(runs))]
+    same = np.array([coded is not None and np.array_equal(coded, most) for coded in learnt])
+    able = np.isfinite(q2_cv)
+    if able.any() and same[able].all():
+        return q2_cv, "cross-validated Q2"
+    if np.isfinite(q2_test).any():
+        why = "they learnt from different runs" if able.any() else \
+            "no surrogate can be cross-validated"
+        return q2_test, f"Q2 on the test design, since {why},"
+    return np.where(same, q2_cv, np.nan), "cross-validated Q2 of those that learnt from most runs"
+
+
 def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) -> dict:
     """Best and second best surrogate of one output, the margin and what to make of it."""
     names = [name for name in fits if output in fits[name]]
     order = {name: k for k, name in enumerate(fits)}
-    scores = q2_cv if np.isfinite(q2_cv).any() else q2_test
+    scores, how = _scores(fits, output, q2_cv, q2_test)
     ranked = sorted((name for name in names if np.isfinite(scores[order[name]])),
                     key=lambda name: -scores[order[name]]) or names
-    verdict = {"best": ranked[0], "runner_up": "", "margin": np.nan, "margin_p": np.nan}
+    verdict = {"best": ranked[0], "runner_up": "", "margin": np.nan, "margin_p": np.nan,
+               "scores": scores}
     if len(ranked) > 1 and np.isfinite(scores[order[ranked[1]]]):
         verdict["runner_up"] = ranked[1]
         verdict["margin"] = float(scores[order[ranked[0]]] - scores[order[ranked[1]]])
         verdict["margin_p"] = paired_test(*(fits[name][output] for name in ranked[:2]))
     verdict["margin_clear"] = bool(verdict["margin_p"] < SIGNIFICANT)
-    how = ("cross-validated Q2" if scores is q2_cv else
-           "Q2 on the test design, since no surrogate can be cross-validated,")
     verdict["sentence"] = _sentence(output, verdict, float(scores[order[ranked[0]]]), how)
     return verdict
 
@@ -221,12 +239,12 @@ def _dataset(surrogates, outputs, columns, coverage, verdicts) -> xr.Dataset:
         variables[name] = ("output", np.array([v[name] for v in verdicts]))
     variables["margin_clear"] = ("output", np.array([v["margin_clear"] for v in verdicts]))
     coords = {"surrogate": surrogates, "output": outputs, "level": list(LEVELS)}
-    return xr.Dataset(variables, coords, {"best": _overall(surrogates, columns, verdicts)})
+    return xr.Dataset(variables, coords, {"best": _overall(surrogates, verdicts)})
 
 
-def _overall(surrogates: list[str], columns: dict, verdicts: list[dict]) -> str:
-    """Largest q2_cv from 0 up, averaged over outputs; the first output's best without any."""
-    scores = np.nan_to_num(np.clip(columns["q2_cv"], 0.0, 1.0))
-    if not np.isfinite(columns["q2_cv"]).any() or len(verdicts) == 1:
+def _overall(surrogates: list[str], verdicts: list[dict]) -> str:
+    """Largest deciding Q2 from 0 up, averaged over outputs; the first output's best without any."""
+    scores = np.array([verdict["scores"] for verdict in verdicts])
+    if not np.isfinite(scores).any() or len(verdicts) == 1:
         return verdicts[0]["best"] if verdicts else ""
-    return surrogates[int(scores.mean(axis=1).argmax())]
+    return surrogates[int(np.nan_to_num(np.clip(scores, 0.0, 1.0)).mean(axis=0).argmax())]
