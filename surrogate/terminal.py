@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -198,21 +199,30 @@ def outcome(study: Study, done: Outcome) -> Page:
 
 _COMPARED = {"q2_cv": "Q2 (left out)", "q2_test": "Q2 (test)", "rmse_test": "RMSE (test)",
              "rmse_cv": "RMSE (left out)"}
-_INDICES = {"first_order": "first order", "total": "total"}
+_INDICES = {"first_order": "first order", "total": "total",
+            "group_first_order": "first order", "group_total": "total",
+            "group_shapley": "share of the variance"}
 
 
 def _figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> list[Table]:
-    """A table per output of the variables in `titles`; of all flat ones when it has none."""
-    flat = {key: figure["dimensions"] for key, figure in figures.items()
-            if len(figure.get("dimensions", ())) == 2 and "output" in figure["dimensions"]}
-    columns = {key: title for key, title in titles.items() if key in flat} or \
-        {key: key.replace("_", " ") for key in flat
-         if not key.endswith(("_low", "_high", "_sampling", "_surrogate"))}
-    rows_of = next(d for d in flat[next(iter(columns))] if d != "output")
-    return [table(output, (rows_of, *columns.values()),
-                  [(name, *(_cell(figures, key, k, j) for key in columns))
-                   for j, name in enumerate(figures[rows_of]["values"])])
-            for k, output in enumerate(figures["output"]["values"])]
+    """Tables of each output, one for surrogates, parameters or groups.
+
+    Columns are the variables in `titles`; all flat ones when none of the titles is there.
+    """
+    rows_of = {key: next(d for d in figure["dimensions"] if d != "output")
+               for key, figure in figures.items()
+               if len(figure.get("dimensions", ())) == 2 and "output" in figure["dimensions"]}
+    made = []
+    for (k, output), kind in product(enumerate(figures["output"]["values"]),
+                                     dict.fromkeys(rows_of.values())):
+        own = [key for key, rows in rows_of.items() if rows == kind]
+        columns = {key: title for key, title in titles.items() if key in own} or \
+            {key: key.replace("_", " ") for key in own
+             if not key.endswith(("_low", "_high", "_sampling", "_surrogate"))}
+        made.append(table(output, (kind, *columns.values()),
+                          [(name, *(_cell(figures, key, k, j) for key in columns))
+                           for j, name in enumerate(figures[kind]["values"])]))
+    return made
 
 
 def _cell(figures: Mapping[str, Any], key: str, output: int, row: int) -> Any:

@@ -167,7 +167,8 @@ def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]
         if not np.allclose(values, one.value, rtol=1e-9, equal_nan=True):
             ends = dict.fromkeys(f"{end(values):.4g}" for end in (np.nanmin, np.nanmax))
             said.append(f"the cases have {name} {' to '.join(ends)} {one.unit}".rstrip()
-                        + f"; the study fixes it at {one.value:.4g}")
+                        + f"; the study fixes it at {one.value:.4g}, so what it changes counts as "
+                        "error of the surrogates")
     return said
 
 

@@ -34,7 +34,9 @@ def section(content: Content) -> Section:
     if decision is None:
         return Section("screening", title, (Text("No screening was asked for.", "note"),))
     blocks = [Text(decision.refused, "warning")] if decision.refused else []
-    blocks += [Text(sentence(decision), "lead"), _verdicts(content, decision)]
+    blocks.append(Text(sentence(decision), "lead"))
+    blocks += [Text(words, "note") for words in [_voters(content, decision)] if words]
+    blocks.append(_verdicts(content, decision))
     if decision.freeze:
         blocks.append(_cost(decision))
     blocks += [Figures((_shares(decision),)), Text(_old_rule(decision))]
@@ -56,22 +58,33 @@ def sentence(decision: Screening) -> str:
             f"{digits.listing(decision.freeze, MOST)}. A parameter is frozen when {rule}.")
 
 
+def _voters(content: Content, decision: Screening) -> str:
+    """Which outputs have decided, when not all have; or nothing."""
+    silent = [name for name in content.outputs if name not in decision.outputs]
+    if not silent:
+        return ""
+    return (f"Decided for the sake of {digits.listing(decision.outputs)} alone; what is frozen may "
+            f"matter to {digits.listing(silent)}.")
+
+
 def _verdicts(content: Content, decision: Screening) -> Table:
-    titles = ("parameter", "decision", "total index (largest, upper end)", "worst case",
+    titles = ("parameter", "decision", "total index", "worst case",
               "one-at-a-time share", "93 % rule", "why")
     titles = tuple(f"{digits.percent(decision.threshold)} rule" if word == "93 % rule" else word
                    for word in titles)
     rows = tuple(_row(content, verdict) for verdict in decision.verdicts)
-    several = f" over {digits.listing(decision.outputs)}" if len(decision.outputs) > 1 else ""
-    return Table(f"The decision on each parameter. Numbers are the largest{several}; worst case: "
-                 "the largest total index the solver itself can have, should all that the "
-                 "surrogate misses belong to this parameter.",
+    several = f" Numbers are the largest over {digits.listing(decision.outputs)}." \
+        if len(decision.outputs) > 1 else ""
+    return Table(f"The decision on each parameter.{several} Total index: its value and the upper "
+                 "end of its interval, which decides. Worst case: the largest total index that the "
+                 "solver itself can have, should all that the surrogate misses belong to this "
+                 "parameter. One-at-a-time shares and the rule on them decide nothing.",
                  tuple(Head(title, numeric=k in (2, 3, 4)) for k, title in enumerate(titles)),
                  rows)
 
 
 def _row(content: Content, verdict: Verdict) -> tuple[Cell, ...]:
-    total = f"{digits.fixed(verdict.total, 3)}, below {digits.fixed(verdict.high, 3)}"
+    total = f"{digits.fixed(verdict.total, 3)}, at most {digits.fixed(verdict.high, 3)}"
     return (Cell(verdict.parameter), Cell(_decision(content, verdict),
                                           tone="" if verdict.frozen else "strong"),
             Cell(total, verdict.total), Cell(digits.figure(verdict.worst_case, 2)),
@@ -120,7 +133,8 @@ def _shares(decision: Screening) -> Figure:
                       decision.freeze_below)
     return Figure(plot, "Square: share of the effects when one parameter moves at a time. Disc: "
                         "total index, with the upper half of its interval. Dashed: the limit below "
-                        "which the upper end must lie to freeze.")
+                        "which the upper end must lie to freeze. The two are of different kinds: "
+                        "an index is a share of the variance, in which effects count squared.")
 
 
 def _old_rule(decision: Screening) -> str:

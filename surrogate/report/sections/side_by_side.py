@@ -23,6 +23,7 @@ class Column:
 
     name: str
     runs: int
+    confidence: float
     terms: dict[str, tuple[float, float]]
 
     @classmethod
@@ -31,7 +32,7 @@ class Column:
         value, high = (np.asarray(table[key].values, dtype=float)
                        for key in ("coefficient", "high"))
         terms = zip(table["term"].values.astype(str), value, high - value, strict=True)
-        return cls(name, table.sizes.get("run", 0),
+        return cls(name, table.sizes.get("run", 0), float(table.attrs.get("confidence", 0.95)),
                    {term: (float(v), float(h)) for term, v, h in terms})
 
 
@@ -61,7 +62,7 @@ def table(content: Content, output: str) -> Table | None:
                for column in columns),
              *(Head(f"{column.name} also carries", numeric=False) for column in told),
              Head("first interval holds last value", numeric=False))
-    return Table(_caption(content, told, columns), heads, rows)
+    return Table(_caption(told, columns), heads, rows)
 
 
 def printed(term: str) -> str:
@@ -89,8 +90,10 @@ def _cell(column: Column, term: str, columns: list[Column]) -> Cell:
         return Cell("")
     value, half = column.terms[term]
     moved = column is _holders(columns, term)[0] and _covers(columns, term) is False
-    return Cell(digits.with_half(value, half), value if np.isfinite(value) else None,
-                tone="bad" if moved else "")
+    # A wide interval must not round its coefficient away: 2.31 ± 23.
+    words = digits.with_half(value, half) if half <= abs(value) or not np.isfinite(half) \
+        else f"{digits.figure(value)} ± {digits.figure(half, 2)}"
+    return Cell(words, value if np.isfinite(value) else None, tone="bad" if moved else "")
 
 
 def _verdict(columns: list[Column], term: str) -> Cell:
@@ -112,12 +115,12 @@ def _covers(columns: list[Column], term: str) -> bool | None:
     return bool(abs(other - value) <= half + slack) if np.isfinite([half, other]).all() else None
 
 
-def _caption(content: Content, told: list[Column], columns: list[Column]) -> str:
-    confidence = digits.percent(min(float(by[output].attrs.get("confidence", 0.95))
-                                    for by in content.regression.values() for output in by))
+def _caption(told: list[Column], columns: list[Column]) -> str:
+    confidence = digits.percent(columns[0].confidence)
     said = (f"Coefficients side by side, from few runs to many, each ± half its {confidence} "
             "interval, in coded units. A first coefficient whose interval does not hold the last "
-            "one of its row is marked: it did not survive.")
+            "one of its row is marked: it did not survive. An interval wider than its coefficient "
+            "holds nearly anything, so a yes beside it only says that few runs could not tell.")
     if told:
         said += (" Also carries: interactions that the design cannot tell from the term, so that "
                  "its coefficient is the sum of all of them.")

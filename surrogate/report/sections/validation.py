@@ -35,13 +35,16 @@ MEANING = (
     "each reference; bias: their mean; limits of agreement: bias ∓ 1.96 standard deviations, "
     "between which 95 % of differences are expected (Bland and Altman 1986). Intervals of the "
     "limits: {how}. In its 95 % intervals: share of the reference values inside the surrogate's "
-    "own intervals.")
+    "own intervals. These say how well the surrogate knows its solver; of what the solver leaves "
+    "out, of inputs that the study does not vary and of errors of measurement they know nothing, "
+    "so a share well below 95 % is no fault of the surrogate by itself.")
 
 
 def section(content: Content) -> Section:
     """Which cases, which were set aside, and for each output the figures and the plots."""
     data = content.validation
     blocks: list = [Text(_cases(data))]
+    blocks += [Text(words, "lead") for words in _closest(data)]
     notes = [note for note in str(data.attrs.get("notes", "")).split("\n") if note]
     if notes:
         blocks.append(Points(tuple(notes), "warning"))
@@ -69,23 +72,45 @@ def _cases(data: xr.Dataset) -> str:
     return words
 
 
+def _closest(data: xr.Dataset) -> list[str]:
+    """A sentence for each output with figures: the closest model, its bias and its limits."""
+    said = []
+    for output, best, row in _best(data):
+        unit = str(data["units"].sel(output=output).item())
+        side = "high" if row["bias"] > 0.0 else "low"
+        sure = "" if row["bias_low"] > 0.0 or row["bias_high"] < 0.0 else \
+            ", no more than chance would do"
+        bias = digits.with_unit(digits.figure(abs(row["bias"]), 2), unit)
+        limits = digits.with_unit(digits.interval(row["lower_limit"], row["upper_limit"]), unit)
+        said.append(f"{best} is closest to {output}: on average {bias} too {side}{sure}; of a new "
+                    f"case it is expected to be off by {limits} (95 % limits of agreement).")
+    return said
+
+
+def _best(data: xr.Dataset) -> list[tuple[str, str, dict[str, float]]]:
+    """(output, model with the smallest RMSE, its figures) of each output with figures."""
+    found = []
+    for output in data["output"].values.astype(str):
+        own = data.sel(output=output)
+        names = [name for name in own["model"].values.astype(str)
+                 if np.isfinite(own["lower_limit"].sel(model=name))]
+        if names:
+            best = min(names, key=lambda name: float(own["rmse"].sel(model=name)))
+            found.append((output, best, {key: float(own[key].sel(model=best)) for key in (
+                "bias", "bias_low", "bias_high", "lower_limit", "upper_limit", "n")}))
+    return found
+
+
 def verdicts(content: Content) -> list[tuple[str, str, str]]:
     """(output, the closest model in a few words, how close) of each output with figures."""
     found = []
-    for output in content.validation["output"].values.astype(str):
-        data = content.validation.sel(output=output)
-        names = [name for name in data["model"].values.astype(str)
-                 if np.isfinite(data["lower_limit"].sel(model=name))]
-        if names:
-            best = min(names, key=lambda name: float(data["rmse"].sel(model=name)))
-            row = {key: float(data[key].sel(model=best)) for key in
-                   ("bias", "lower_limit", "upper_limit", "n")}
-            unit = str(data["units"].item())
-            limits = digits.interval(row["lower_limit"], row["upper_limit"])
-            bias = digits.with_unit(digits.figure(row["bias"], 2), unit)
-            found.append((output, f"{best}, bias {bias}", (
-                f"95 % of its differences from {content.validation.attrs['cases']} are expected "
-                f"at {digits.with_unit(limits, unit)} ({row['n']:.0f} cases).")))
+    for output, best, row in _best(content.validation):
+        unit = str(content.validation["units"].sel(output=output).item())
+        limits = digits.interval(row["lower_limit"], row["upper_limit"])
+        bias = digits.with_unit(digits.figure(row["bias"], 2), unit)
+        found.append((output, f"{best}, bias {bias}", (
+            f"95 % of its differences from {content.validation.attrs['cases']} are expected "
+            f"at {digits.with_unit(limits, unit)} ({row['n']:.0f} cases).")))
     return found
 
 
