@@ -17,7 +17,7 @@ def regression(values, half, runs):
 
 
 def test_a_coefficient_that_left_its_first_interval_is_marked(study):
-    """mu_skin goes from 2 +- 1 to 4, tension from 12 +- 1 to 11.5; the interaction is not shared."""
+    """mu_skin goes from 2 +- 1 to 4, tension 12 +- 1 to 11.5; the interaction is not shared."""
     content = replace(study(surrogates=("linear",)), regression={
         "many": {"pressure_b1": regression({"1": 30.0, "mu_skin": 4.0, "tension": 11.5,
                                             "mu_skin:tension": 1.0}, 0.1, 50)},
