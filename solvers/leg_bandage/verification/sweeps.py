@@ -132,7 +132,7 @@ def _stored(table):
 def _append(table, row):
     if table is None:
         return
-    new = not table.exists()
+    new = not table.exists() or table.stat().st_size == 0
     with table.open("a", newline="", encoding="utf-8") as stream:
         writer = csv.DictWriter(stream, COLUMNS)
         if new:
