@@ -17,7 +17,7 @@ from solvers.leg_bandage.plugin import LegBandage
 from surrogate.errors import SolverError
 
 PATH = Path(__file__).parent.parent / "solvers" / "leg_bandage" / "data" / "four_modes.json"
-TENSION, MU_SKIN = 0.098, 0.2
+TENSION, MU_SKIN = 0.0785, 0.2  # biflex_16
 
 
 def main() -> None:
