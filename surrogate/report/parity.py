@@ -36,12 +36,16 @@ def parity(content: Content, fit: Fit, output: str) -> Parity:
     """Every finished run beside what the fit says of it.
 
     Runs that the fit has learnt from are predicted by the fit without their fold,
-    because a fit that interpolates is perfect on what it has seen.
+    because a fit that interpolates is perfect on what it has seen. A run that several designs
+    share is shown once.
     """
-    finished = content.finished(output)
+    finished = np.flatnonzero(content.finished(output))
+    rows = rows_learnt(fit, content.coded[finished])
+    shown = rows < 0
+    shown[np.unique(rows, return_index=True)[1]] = True
+    finished, rows = finished[shown], rows[shown]
     coded, values = content.coded[finished], content.values(output)[finished]
     predicted, half = predictions(fit, coded)
-    rows = rows_learnt(fit, coded)
     learnt = rows >= 0
     left_out = np.asarray(fit.left_out)[rows]
     known = learnt & np.isfinite(left_out).reshape(len(rows), -1).all(axis=1)
