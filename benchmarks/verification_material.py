@@ -107,7 +107,7 @@ def timings() -> None:
     shell = Shell(strip, size, NOMINAL, start)
     for name, part in (("tissue", tissue), ("shell", shell)):
         u = np.zeros(part.n_dofs)
-        best = shortest(lambda part=part, u=u: part.linearise(u))
+        best = shortest(lambda part=part, u=u: part.linearise(u)[1]())
         print(f"{name}: {part.n_dofs} unknowns, residual and tangent {1e3 * best:.0f} ms, "
               f"{1e7 * best / part.n_dofs:.0f} ms per 10 000 unknowns")
     engines = ["superlu"] + ["pardiso"] * (importlib.util.find_spec("pypardiso") is not None)
@@ -115,10 +115,10 @@ def timings() -> None:
         begin = perf_counter()
         system = System([tissue], tissue.n_dofs, leg.fixed_dofs(), engine)
         setup = perf_counter() - begin
-        _, packed = system.linearise(np.zeros(tissue.n_dofs))
+        packed = system.linearise(np.zeros(tissue.n_dofs))[1]()
         direct = system.factors.direct
         direct.factorise(packed)
-        whole = shortest(lambda s=system: s.linearise(np.zeros(tissue.n_dofs)))
+        whole = shortest(lambda s=system: s.linearise(np.zeros(tissue.n_dofs))[1]())
         again = shortest(lambda d=direct, p=packed: d.factorise(p))
         ones = np.ones(len(system.free))
         solve = shortest(lambda d=direct, b=ones: d.solve(b))

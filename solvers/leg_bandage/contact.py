@@ -29,6 +29,8 @@ import numpy as np
 
 from solvers.leg_bandage.candidates import Candidates
 from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.linear import Tangent
+from solvers.leg_bandage.projection import metric, project, solve2
 
 
 @dataclass(frozen=True)
@@ -46,42 +48,6 @@ class Points:
     def at(self, x):
         """Positions (n, 3) for nodal positions x (nodes, 3)."""
         return np.einsum("pk,pkc->pc", self.weights, x[self.nodes])
-
-
-def project(surface, points, x, xi, tolerance=1e-11, iterations=30):
-    """Closest-point parameters (n, 2) of points (n, 3), by Newton from xi.
-
-    A step is limited to one cell; `residual` of the caller tells when it did not close.
-    """
-    xi = xi.copy()
-    for _ in range(iterations):
-        jet = surface.at(xi, x)
-        d = points - jet[:, 0]
-        step = solve2(_metric(jet, d), np.einsum("pc,pac->pa", d, jet[:, 1:3]))
-        step = np.clip(step, -1.0, 1.0)
-        xi += step
-        if np.abs(step).max(initial=0.0) < tolerance:
-            break
-    return xi
-
-
-def _metric(jet, d):
-    """a - d . y_ab, (n, 2, 2)."""
-    metric = np.einsum("pac,pbc->pab", jet[:, 1:3], jet[:, 1:3])
-    bend = np.einsum("pc,pkc->pk", d, jet[:, 3:])
-    metric[:, 0, 0] -= bend[:, 0]
-    metric[:, 1, 1] -= bend[:, 1]
-    metric[:, 0, 1] -= bend[:, 2]
-    metric[:, 1, 0] -= bend[:, 2]
-    return metric
-
-
-def solve2(matrix, rhs):
-    """Solutions (n, 2[, m]) of 2 x 2 systems (n, 2, 2), by Cramer's rule."""
-    (a, b), (c, d) = matrix.transpose(1, 2, 0)
-    det = a * d - b * c
-    inverse = np.stack([d, -b, -c, a]).reshape(2, 2, -1) / det
-    return np.einsum("abp,pb...->pa...", inverse, rhs)
 
 
 @dataclass(frozen=True)
@@ -118,7 +84,10 @@ class Contact:
         self.current = state
 
     def advance(self, du, step=1.0):
-        """Move the directions w along the Newton increment `du`; `step` is the damping."""
+        """Move the directions w along the Newton increment `du` of the last tangent.
+
+        `step` is the damping.
+        """
         ds, s, unit, psi, bend, nodes, weights = self._last
         moved = np.einsum("pkm,pmc->pkc", weights, du.reshape(-1, 3)[nodes])
         change = np.einsum("pcj,pj->pc", ds, moved.reshape(len(moved), 9))
@@ -130,22 +99,27 @@ class Contact:
         w /= np.maximum(np.linalg.norm(w, axis=1), 1.0)[:, None]
         self.current = replace(self.current, w=w)
 
-    def linearise(self, u):
-        """Residual (ndof,) and values (nnz,) of the tangent at displacements u (ndof,)."""
+    def linearise(self, u) -> tuple[np.ndarray, Tangent]:
+        """Residual (ndof,) and tangent, values (nnz,), at displacements u (ndof,)."""
         x = self.X + u.reshape(-1, 3)
         k = self._kinematics(x)
         nodes, weights = self._operators(k)
-        force, tangent, ds = self._traction(k)
-        psi, bend = self.law.drag(k["slip_size"])
-        unit = k["slip"] / np.maximum(k["slip_size"], 1e-30)[:, None]
-        self._last = ds, k["slip"], unit, psi, bend, nodes, weights
+        force, grip = self._traction(k)
+
+        def tangent():
+            D, ds = self._tangent(k, force, grip)
+            psi, bend = self.law.drag(k["slip_size"])
+            unit = k["slip"] / np.maximum(k["slip_size"], 1e-30)[:, None]
+            self._last = ds, k["slip"], unit, psi, bend, nodes, weights
+            return self.candidates.assemble(k["xi"], weights, D)
+
         residual = np.zeros(u.size)
         for c in range(3):
             share = -weights[:, 0] * (force[:, c] * self.points.area)[:, None]
             residual[c::3] = np.bincount(
                 nodes.ravel(), share.ravel(), minlength=u.size // 3
             )
-        return residual, self.candidates.assemble(k["xi"], weights, tangent)
+        return residual, tangent
 
     # -- load steps --------------------------------------------------------------------
 
@@ -166,15 +140,7 @@ class Contact:
         slip = self.law.elastic_slip * (1 - np.sqrt(1 - share))
         scale = np.where(most > 0, slip / np.maximum(k["slip_size"], 1e-300), 0.0)
         scale = np.where(self.points.tied, 1.0, scale)
-        anchor = k["xi"] - scale[:, None] * k["shift"]
-        self.current = replace(self.current, xi=k["xi"], anchor=anchor, held=False)
-        self.align(u)
-
-    def align(self, u):
-        """Set w = s / N(|s|) at displacements u: the tangent is then the residual's derivative."""
-        k = self._kinematics(self.X + u.reshape(-1, 3))
-        psi, _ = self.law.drag(k["slip_size"])
-        self.current = replace(self.current, w=psi[:, None] * k["slip"])
+        self.current = replace(self._anchored(k, scale), held=False)
 
     def accept(self, u):
         """End of a load step: slip beyond the elastic slip moves the anchors.
@@ -186,15 +152,13 @@ class Contact:
         keep = np.where(stuck, 1.0, self.law.kept(k["slip_size"]))
         keep = np.where((k["p"] > 0) | stuck, keep, 0.0)
         lost = self.law.mu * k["p"] * k["slip_size"] * (1 - keep) * self.points.area
-        anchor = k["xi"] - keep[:, None] * (k["xi"] - self.current.anchor)
-        self.current = replace(self.current, xi=k["xi"], anchor=anchor)
-        self.align(u)
+        self.current = self._anchored(k, keep)
         return float(lost[~stuck].sum())
 
     def report(self, u):
         """Gap, pressure per laid area, traction (n, 3), slip, normal and parameters now."""
         k = self._kinematics(self.X + u.reshape(-1, 3))
-        force, _, _ = self._traction(k)
+        force, _ = self._traction(k)
         names = ("gap", "p", "slip_size", "normal", "xi")
         return {name: k[name] for name in names} | {"traction": force}
 
@@ -202,6 +166,16 @@ class Contact:
 
     def _held(self, held):
         return self.points.tied | held
+
+    def _anchored(self, k, share):
+        """The state of kinematics k after anchors moved so that a share (n,) of slip is left.
+
+        Its directions are w = s / N(|s|): the tangent is then the residual's derivative.
+        """
+        psi, _ = self.law.drag(share * k["slip_size"])
+        w = (psi * share)[:, None] * k["slip"]
+        anchor = k["xi"] - share[:, None] * k["shift"]
+        return replace(self.current, xi=k["xi"], anchor=anchor, w=w)
 
     def _kinematics(self, x):
         points = self.points.at(x)
@@ -222,22 +196,28 @@ class Contact:
         }  # fmt: skip
 
     def _traction(self, k):
-        """Traction F (n, 3) on the bandage, the 9 x 9 tangent of its virtual work, and dslip."""
+        """Traction F = p n - grip s (n, 3) on the bandage, and grip (n,), MPa/mm."""
+        psi, _ = self.law.drag(k["slip_size"])
+        grip = np.where(k["held"], self.law.penalty, self.law.mu * k["p"] * psi)
+        return k["p"][:, None] * k["normal"] - grip[:, None] * k["slip"], grip
+
+    def _tangent(self, k, force, grip):
+        """The 9 x 9 tangent of the virtual work of F, (n, 9, 9), and dslip (n, 3, 9)."""
         jet, n, d, p, s = k["jet"], k["normal"], k["d"], k["p"], k["slip"]
         held, size, count = k["held"], k["slip_size"], len(n)
         # rows of dxi: (n, 2, 9) on (dx - dy, dy_1, dy_2)
         rhs = np.zeros((count, 2, 9))
         rhs[:, :, :3] = jet[:, 1:3]
         rhs[:, 0, 3:6] = rhs[:, 1, 6:9] = d
-        dxi = solve2(_metric(jet, d), rhs)
+        dxi = solve2(metric(jet, d), rhs)
         # total change of both tangent vectors: (n, 2, 3, 9)
         dy = np.zeros((count, 2, 3, 9))
         for a, (one, two) in enumerate(((3, 5), (5, 4))):
             dy[:, a] = np.einsum("pc,pj->pcj", jet[:, one], dxi[:, 0])
             dy[:, a] += np.einsum("pc,pj->pcj", jet[:, two], dxi[:, 1])
             dy[:, a, [0, 1, 2], [3 + 3 * a, 4 + 3 * a, 5 + 3 * a]] += 1.0
-        metric = np.einsum("pac,pbc->pab", jet[:, 1:3], jet[:, 1:3])
-        dual = solve2(metric, jet[:, 1:3])
+        first = np.einsum("pac,pbc->pab", jet[:, 1:3], jet[:, 1:3])
+        dual = solve2(first, jet[:, 1:3])
         dn = -np.einsum("pac,pe,paej->pcj", dual, n, dy, optimize=True)
         dp = np.zeros((count, 9))
         dp[:, :3] = k["slope"][:, None] * n
@@ -245,9 +225,7 @@ class Contact:
         ds += np.einsum("pac,paj->pcj", jet[:, 1:3], dxi)
 
         psi, bend = self.law.drag(size)
-        grip = np.where(held, self.law.penalty, self.law.mu * p * psi)
         loosen = np.where(held, 0.0, self.law.mu * p * bend / psi / np.maximum(size, 1e-30))
-        force = p[:, None] * n - grip[:, None] * s
         w = np.where(held[:, None], 0.0, self.current.w)
         dF = np.einsum("pc,pj->pcj", n - self.law.mu * w, dp)
         dF += p[:, None, None] * dn - grip[:, None, None] * ds
@@ -258,7 +236,7 @@ class Contact:
         tangent[:, :3] = -dF
         tangent[:, 3:6] = np.einsum("pc,pj->pcj", force, dxi[:, 0])
         tangent[:, 6:9] = np.einsum("pc,pj->pcj", force, dxi[:, 1])
-        return force, tangent * self.points.area[:, None, None], ds
+        return tangent * self.points.area[:, None, None], ds
 
     def _operators(self, k):
         """Nodes (n, m) and weights (n, 3, m) of dx - dy, dy_1, dy_2."""

@@ -143,12 +143,13 @@ class Pardiso:
         for number, value in (PARDISO_SETTINGS | PARDISO_PRECISION[precision]).items():
             self._engine.set_iparm(number, value)
         weakref.finalize(self, self._engine.free_memory, everything=True)
-        self._matrix = pattern.astype(precision)
+        self._from_one = [index.astype(np.int32) + 1 for index in (pattern.indptr, pattern.indices)]
+        self._values = pattern.data.astype(precision)
         self._run(ANALYSE, np.zeros(pattern.shape[0]))
 
     def factorise(self, matrix: csc_array) -> None:
         """LU factors of a matrix (n, n) with the pattern."""
-        self._matrix = with_values(matrix, matrix.data.astype(self._matrix.dtype))
+        self._values = matrix.data.astype(self._values.dtype)
         self._run(FACTORISE, np.zeros(matrix.shape[0]))
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
@@ -156,11 +157,19 @@ class Pardiso:
         return self._run(SOLVE, rhs)
 
     def _run(self, phase: int, rhs: np.ndarray) -> np.ndarray:
-        self._engine.set_phase(phase)
-        try:
-            return self._engine._call_pardiso(self._matrix, rhs.astype(self._matrix.dtype))
-        except importlib.import_module("pypardiso.pardiso_wrapper").PyPardisoError as error:
-            raise SolverError(_singular(error)) from error
+        """MKL's `pardiso`; pypardiso's own call would number the pattern from one each time."""
+        engine, rhs = self._engine, rhs.astype(self._values.dtype)
+        answer, failed = np.zeros_like(rhs), np.zeros(1, np.int32)
+        one, kind, stage, size, quiet = np.array([[1], [engine.mtype], [phase], [len(rhs)], [0]],
+                                                 np.int32)
+        given = (engine.pt, one, one, kind, stage, size, self._values, *self._from_one,
+                 engine.perm, one, engine.iparm, quiet, rhs, answer, failed)
+        pardiso = engine._mkl_pardiso
+        pardiso(*(array.ctypes.data_as(pointer)
+                  for array, pointer in zip(given, pardiso.argtypes, strict=True)))
+        if failed[0]:
+            raise SolverError(_singular(f"Pardiso's error {failed[0]}"))
+        return answer
 
 
 ENGINES = {"superlu": SuperLU, "pardiso": Pardiso}

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from solvers.leg_bandage.leg_mesh import LegMesh
+from solvers.leg_bandage.linear import Tangent
 from solvers.leg_bandage.shell import Shell
 
 
@@ -34,17 +35,21 @@ class FollowerPressure:
         self.rows = np.broadcast_to(self.dofs[:, :, :, None, None], shape).ravel().astype(np.int32)
         self.cols = np.broadcast_to(self.dofs[:, None, None], shape).ravel().astype(np.int32)
 
-    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Minus the load (n_dofs,) and its tangent values, which are not symmetric."""
+    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, Tangent]:
+        """Minus the load (n_dofs,) and its tangent, which is not symmetric."""
         places = self.rest[self.points] + u[self.dofs]
         value, *slopes = self.shapes
         first, second = (np.einsum("qa,eai->eqi", slope, places) for slope in slopes)
         scale = self.pressure * self.weights
         force = np.einsum("q,qa,eqi->eai", scale, value, np.cross(first, second))
         residual = np.bincount(self.dofs.ravel(), force.ravel(), minlength=self.n_dofs)
-        values = np.einsum("q,qa,qb,eqij->eaibj", scale, value, slopes[1], _skew(first))
-        values -= np.einsum("q,qa,qb,eqij->eaibj", scale, value, slopes[0], _skew(second))
-        return residual, values.ravel()
+
+        def tangent():
+            values = np.einsum("q,qa,qb,eqij->eaibj", scale, value, slopes[1], _skew(first))
+            values -= np.einsum("q,qa,qb,eqij->eaibj", scale, value, slopes[0], _skew(second))
+            return values.ravel()
+
+        return residual, tangent
 
 
 def skin_pressure(leg: LegMesh, pressure: float) -> FollowerPressure:

@@ -6,7 +6,7 @@ is worked out once and kept over all Newton iterations, as is the order of elimi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -20,6 +20,9 @@ from solvers.leg_bandage.lagged import LaggedSolver
 DENSE = ThreadpoolController().select(internal_api="openblas")
 
 
+Tangent = Callable[[], np.ndarray]
+
+
 class Part(Protocol):
     """A piece of the mechanical model that acts on the shared vector of unknowns u.
 
@@ -29,8 +32,11 @@ class Part(Protocol):
     rows: np.ndarray
     cols: np.ndarray
 
-    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Internal force (n_dofs,) and consistent tangent values (nnz,) at u."""
+    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, Tangent]:
+        """Internal force (n_dofs,) at u, and what gives the consistent tangent's values (nnz,).
+
+        A state that turns out to be in balance needs no tangent.
+        """
 
 
 class System:
@@ -54,16 +60,20 @@ class System:
         pattern, self._slots = compress(rows, cols, len(self.free))
         self.factors = LaggedSolver(solver, pattern)
 
-    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Sum of the parts' residuals (n_dofs,) and of their tangents, the latter kept packed.
+    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, Tangent]:
+        """Sum of the parts' residuals (n_dofs,), and what sums their tangents, kept packed.
 
-        Give the second value to `solve` or to `matrix`. The digits do not depend on the
-        number of threads.
+        Give what the second one returns to `solve` or to `matrix`. The digits do not depend
+        on the number of threads.
         """
         with DENSE.limit(limits=1):
             answers = [part.linearise(u) for part in self.parts]
-        values = np.concatenate([values for _, values in answers])
-        packed = np.bincount(self._slots, values, minlength=self.factors.pattern.nnz + 1)[:-1]
+
+        def packed():
+            with DENSE.limit(limits=1):
+                values = np.concatenate([tangent() for _, tangent in answers])
+            return np.bincount(self._slots, values, minlength=self.factors.pattern.nnz + 1)[:-1]
+
         return sum(residual for residual, _ in answers), packed
 
     def solve(self, packed: np.ndarray, rhs: np.ndarray) -> np.ndarray:

@@ -20,6 +20,7 @@ import numpy as np
 from solvers.leg_bandage.fabric import Fabric
 from solvers.leg_bandage.kernels import bspline, tensor
 from solvers.leg_bandage.kirchhoff_love import TWIST, energy, frame, gradient_and_hessian
+from solvers.leg_bandage.linear import Tangent
 from solvers.leg_bandage.surfaces import Strip
 
 CHUNK = 4096  # elements whose second derivatives are held at a time: 20 kB each
@@ -64,8 +65,8 @@ class Shell:
         self._force_map, self._tangent_map = _maps(self.slopes, self.weights, fabric.bending)
         self.rows, self.cols = self._pattern()
 
-    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residual (n_dofs,) and tangent values (n_elements * 729,)."""
+    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, Tangent]:
+        """Residual (n_dofs,) and tangent, values (n_elements * 729,): made together."""
         places = self.start + u.reshape(-1, 3)
         forces = np.empty((9, len(self.points), 3))
         values = np.empty((81, len(self.points), 9))
@@ -79,7 +80,8 @@ class Shell:
             forces[:, chunk] = (self._force_map @ gradient.reshape(-1, 3 * n)).reshape(9, n, 3)
             values[:, chunk] = (self._tangent_map @ hessian.reshape(-1, 9 * n)).reshape(81, n, 9)
         dofs = 3 * self.points.T[:, :, None] + np.arange(3)
-        return np.bincount(dofs.ravel(), forces.ravel(), minlength=self.n_dofs), values.ravel()
+        residual = np.bincount(dofs.ravel(), forces.ravel(), minlength=self.n_dofs)
+        return residual, values.ravel
 
     def energy(self, u: np.ndarray) -> float:
         """Stored energy, N mm."""

@@ -89,9 +89,9 @@ class Viscosity:
         self.rows = self.cols = np.flatnonzero(self.area).astype(np.int32)
 
     def linearise(self, u):
-        """Residual (ndof,) and diagonal (nnz,)."""
+        """Residual (ndof,) and tangent, a diagonal (nnz,)."""
         drag = self.coefficient * self.area
-        return drag * (u - self.origin), drag[self.rows]
+        return drag * (u - self.origin), lambda: drag[self.rows]
 
 
 class NotConverged(Exception):
@@ -131,19 +131,27 @@ class Problem:
         self.cost.add("analyse", start)
 
     def linearise(self, u):
-        """Residual (ndof,) and packed tangent; grows the contact pattern when it must."""
+        """Residual (ndof,) and tangent, a function as that of any part."""
+        if self.system is None:
+            self.analyse()
+        start = time.perf_counter()
+        answer = self.system.linearise(u)
+        self.cost.add("assemble", start)
+        return answer
+
+    def _packed(self, u, tangent):
+        """Values of the tangent at u; lays contact's pattern out anew when points left it."""
         for _ in range(3):
-            if self.system is None:
-                self.analyse()
             start = time.perf_counter()
             try:
-                answer = self.system.linearise(u)
+                packed = tangent()
                 self.cost.add("assemble", start)
-                return answer
+                return packed
             except PatternLeft:
                 for contact in self.contacts:
                     contact.follow(u)
                 self.system = None
+                _, tangent = self.linearise(u)
         raise NotConverged(np.inf, 0)
 
     def state(self):
@@ -165,12 +173,12 @@ class Problem:
         """
         limits = self.tolerances
         force = limits.force if force is None else force
-        residual, packed = self._residual(u)
+        residual, tangent = self._linearised(u)
         sizes: list[float] = []
         for iteration in range(1, limits.iterations + 1):
-            du = self._increment(residual, packed)
+            du = self._increment(residual, self._packed(u, tangent))
             du, step = self._capped(du)
-            u, residual, packed, step = self._moved(u, du, step)
+            u, residual, tangent, step = self._moved(u, du, step)
             size = self._size(residual)
             self.cost.iterations += 1
             if size < force and step > 0.99:
@@ -182,7 +190,7 @@ class Problem:
         free = self.system.free
         raise NotConverged(size, int(free[np.argmax(np.abs(residual[free]))]))
 
-    def _residual(self, u):
+    def _linearised(self, u):
         try:
             return self.linearise(u)
         except SolverError as error:

@@ -17,6 +17,7 @@ from __future__ import annotations
 import numpy as np
 from skfem import Basis, ElementHex1, MeshHex
 
+from solvers.leg_bandage.linear import Tangent
 from surrogate.errors import SolverError
 
 
@@ -50,8 +51,8 @@ class Tissue:
         self.pressure = np.zeros(len(vertices))
         self._volume_at, self._volume_gradient = self.volumes, np.zeros(self.dofs.shape)
 
-    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residual (n_dofs,) and tangent values (n_elements * 576,) with p condensed.
+    def linearise(self, u: np.ndarray) -> tuple[np.ndarray, Tangent]:
+        """Residual (n_dofs,) and tangent, values (n_elements * 576,), with p condensed.
 
         Raises SolverError when an element is turned inside out.
         """
@@ -73,7 +74,7 @@ class Tissue:
         force = tau_g.sum(axis=1) + p_next[:, None] * self._volume_gradient
         residual = np.bincount(self.dofs.ravel(), force.ravel(), minlength=self.n_dofs)
         bulk = np.sqrt(self.kappa / self.volumes)[:, None] * self._volume_gradient
-        return residual, _stiffness(spatial, tau_g, m, p, bulk).reshape(-1)
+        return residual, lambda: _stiffness(spatial, tau_g, m, p, bulk).reshape(-1)
 
     def advance(self, du: np.ndarray, step: float = 1.0) -> None:
         """Move the pressures along the Newton increment `du`; `step` is the damping."""

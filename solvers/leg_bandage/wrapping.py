@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from solvers.leg_bandage.contact import project, solve2
+from solvers.leg_bandage.projection import project, solve2
 from solvers.leg_bandage.surfaces import Strip, interpolate_strip
 from surrogate.errors import SolverError
 

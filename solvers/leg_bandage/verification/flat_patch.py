@@ -43,7 +43,7 @@ class DeadLoad:
 
     def linearise(self, u):
         """Minus the load and an empty tangent."""
-        return -self.force, np.zeros(0)
+        return -self.force, lambda: np.zeros(0)
 
 
 class Patch(NamedTuple):

@@ -31,7 +31,7 @@ def newton(
             )
         answers = [part.linearise(u) for part in parts]
         residual = basis.T @ (sum(r for r, _ in answers) - load)
-        tangent = basis.T @ tangent_matrix(parts, [v for _, v in answers], len(u)) @ basis
+        tangent = basis.T @ tangent_matrix(parts, [t() for _, t in answers], len(u)) @ basis
         du = basis @ splu(tangent.tocsc()).solve(-residual)
         for part in parts:
             if hasattr(part, "advance"):

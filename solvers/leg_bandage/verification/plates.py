@@ -60,8 +60,8 @@ def pinched_cylinder(n: int) -> float:
     nodes, weights = (found[..., 0, :] for found in strip.stencil(np.array([[0.0, n]])))
     load = np.zeros(start.size)
     load[3 * nodes + 2] = -weights[0] / 4
-    _, values = shell.linearise(np.zeros(start.size))
-    K = basis.T @ tangent_matrix([shell], [values], start.size) @ basis
+    _, tangent = shell.linearise(np.zeros(start.size))
+    K = basis.T @ tangent_matrix([shell], [tangent()], start.size) @ basis
     u = basis @ spsolve(K.tocsc(), basis.T @ load)
     return float(-weights[0] @ u[3 * nodes + 2] * E * t)
 
