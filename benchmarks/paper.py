@@ -133,9 +133,7 @@ def geometry():
 def validation():
     """Models against the finite element model on legs' own sections."""
     study, runs = loaded("bandage_validation")
-    patients, cases = loaded("bandage_patients")
-    from surrogate.cases import from_runs
-    found = study.validate(study.fit(runs), from_runs(cases, patients.name)).sel(output=B1)
+    found = study.validate(study.fit(runs)).sel(output=B1)
     printed = {"reduced": "1.04, 0.40, 9.7 % (against measurements)",
                "laplace": "0.88, 0.61, -11.6 % (against measurements)", "gp": "not done"}
     for name, paper in printed.items():

@@ -19,7 +19,7 @@ import xarray as xr
 
 from surrogate import runs as rundata
 from surrogate import units
-from surrogate.errors import StudyError, nearest
+from surrogate.errors import ResultsError, StudyError, nearest
 
 LABEL, SUBJECT = "case", "subject"
 #: Mistakes shown before the rest is only counted.
@@ -129,13 +129,10 @@ def _check_rows(path: Path, rows: list[tuple[int, list[str]]]) -> None:
 def read_runs(path: Path, name: str) -> Cases:
     """The good runs in a runs dataset as cases."""
     try:
-        runs = xr.load_dataset(path, engine="h5netcdf", decode_timedelta=False)
-    except FileNotFoundError:
-        raise StudyError(f"cases '{name}': {path} does not exist; give the path relative to the "
-                         "study file") from None
-    except Exception as error:  # a damaged file fails in the depths of HDF5 in many ways
-        raise StudyError(f"cases '{name}': {path} cannot be read "
-                         f"({type(error).__name__}: {error})") from None
+        runs = rundata.load(path, missing="give the path relative to the study file",
+                            damaged="write it again")
+    except ResultsError as error:
+        raise StudyError(f"cases '{name}': {error}") from None
     if "parameter" not in runs.coords or "status" not in runs:
         raise StudyError(f"cases '{name}': {path} is not a dataset of runs: it lacks 'parameter' "
                          "or 'status'; give a runs.nc, a CSV file or a study")

@@ -185,15 +185,20 @@ def save(runs: xr.Dataset, path: str | Path) -> None:
         runs.to_netcdf(temporary, engine="h5netcdf")
 
 
-def load(path: str | Path) -> xr.Dataset:
-    """The dataset in `path`, read whole. Raises `ResultsError` when missing or damaged."""
+def load(path: str | Path, *, missing: str = "run the study first",
+         damaged: str = "delete it and run the study again: finished runs come back from the "
+                        "journal") -> xr.Dataset:
+    """The dataset in `path`, read whole.
+
+    Raises `ResultsError` with the cure for a file that is `missing`, or `damaged`.
+    """
     if not Path(path).is_file():
-        raise ResultsError(f"{path} does not exist; run the study first")
+        raise ResultsError(f"{path} does not exist; {missing}")
     try:
         return xr.load_dataset(path, engine="h5netcdf", decode_timedelta=False)
-    except (OSError, ValueError, KeyError) as error:
-        raise ResultsError(f"{path} cannot be read ({error}); delete it and run the study again: "
-                           "finished runs come back from the journal") from error
+    except Exception as error:  # a damaged file fails in the depths of HDF5 in many ways
+        raise ResultsError(f"{path} cannot be read ({type(error).__name__}: {error}); "
+                           f"{damaged}") from error
 
 
 def select(runs: xr.Dataset, *, designs: Iterable[str] | None = None,

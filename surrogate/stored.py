@@ -17,11 +17,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from surrogate import runs as rundata
 from surrogate.errors import ResultsError, StudyError
 from surrogate.files import replacing
 from surrogate.identity import Call, Recipe, keys_in
 from surrogate.journal import Contents, Record
-from surrogate.runs import output_names
 
 #: Inputs that differ by less than this share of the largest value in a file are one input.
 SAME = 1e-12
@@ -71,7 +71,7 @@ class StoredRuns:
         status, message, seconds, attempts, finished = (
             self.runs[name].values[row] for name in _NEEDED)
         outputs, fields = {}, {}
-        for name in output_names(self.runs) if status == "ok" else ():
+        for name in rundata.output_names(self.runs) if status == "ok" else ():
             if self.runs[name].ndim > 1:
                 fields[name] = {"row": row}
             else:
@@ -83,15 +83,11 @@ class StoredRuns:
 
 def load(path: Path, name: str) -> StoredRuns:
     """The runs in `path`; raises `StudyError` when it is missing or no runs dataset."""
-    if not path.is_file():
-        raise StudyError(f"stored runs '{name}': {path} does not exist; "
-                         "`surrogate store` writes such a file")
     try:
-        runs = xr.load_dataset(path, engine="h5netcdf", decode_timedelta=False)
-    except Exception as error:  # a damaged file fails in the depths of HDF5 in many ways
-        raise StudyError(f"stored runs '{name}': {path} cannot be read "
-                         f"({type(error).__name__}: {error}); write it again with "
-                         "`surrogate store`") from None
+        runs = rundata.load(path, missing="`surrogate store` writes such a file",
+                            damaged="write it again with `surrogate store`")
+    except ResultsError as error:
+        raise StudyError(f"stored runs '{name}': {error}") from None
     lacking = [f"the attribute '{word}'" for word in ("identity", "fixed_inputs", "deterministic")
                if word not in runs.attrs]
     lacking += [f"the variable '{word}'" for word in ("parameter", *_NEEDED) if word not in runs]
@@ -211,7 +207,7 @@ def first_difference(file: StoredRuns, recipe: Recipe, calls: Sequence[Call],
         if not _meet(before, after):
             unit = f" {one.unit}".rstrip()
             return f"other {name}: {_said(before)} -> {_said(after)}{unit}"
-    lacking = [name for name in wanted if name not in output_names(file.runs)]
+    lacking = [name for name in wanted if name not in rundata.output_names(file.runs)]
     if lacking:
         return f"it has no output {', '.join(lacking)}"
     return "each of its points differs from all points of the designs"
@@ -245,7 +241,7 @@ def write(runs: xr.Dataset, path: str | Path) -> None:
     if not finished.sizes["run"]:
         raise ResultsError("no run is finished, so there is nothing to store; "
                            "do `surrogate run` first")
-    single = {name: finished[name].astype("float32") for name in output_names(finished)
+    single = {name: finished[name].astype("float32") for name in rundata.output_names(finished)
               if _fits_single(finished[name])}
     finished = finished.assign(single)
     finished.attrs.pop("stored", None)

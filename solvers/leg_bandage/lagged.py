@@ -39,17 +39,14 @@ class LaggedSolver:
     def solve(self, values: np.ndarray, rhs: np.ndarray) -> np.ndarray:
         """Answer (n,) of the matrix with these values (nnz,); SolverError when singular."""
         if self._last <= WORTH:
-            answer, self._last = self._with_old_factors(values, rhs)
+            matrix = with_values(self.pattern, values)
+            answer, self._last = gmres(matrix, rhs, self.direct.rough)
             if self._last <= MOST:
                 return answer
         self.direct.factorise(values)
         self.factorisations += 1
         self._last = 0
         return self.direct.solve(rhs)
-
-    def _with_old_factors(self, values, rhs) -> tuple[np.ndarray, int]:
-        """GMRES's answer and how many iterations it took; more than MOST: none."""
-        return gmres(with_values(self.pattern, values), rhs, self.direct.rough)
 
 
 def gmres(matrix, rhs, precondition) -> tuple[np.ndarray, int]:

@@ -258,13 +258,6 @@ def midline_arc(surface, wrap):
     return angles[::2], np.concatenate([[0.0], np.cumsum(simpson)])
 
 
-def _continued(at, arc, angles):
-    """Angles at running lengths `at`, by cubic interpolation continued beyond both ends."""
-
-
-    return CubicSpline(arc, angles)(at)
-
-
 def _over_elements(covers, kept):
     """Covers (k, rows, kept columns) with their means over the width of each element.
 
@@ -278,8 +271,11 @@ def _over_elements(covers, kept):
 
 
 def _turns_beneath(strip, bare, X, wrap, theta_mid, columns):
-    """Parameters of the turn beneath (rows, columns, 2), covers by all turns (k, rows, columns).
+    """How turns lie on turns, seen at the points of the bare strip (rows, columns).
 
+    Returns the share of each point that the turn beneath carries (rows, columns), the point's
+    parameters on that turn (rows, columns, 2), and what each turn beneath, the next first,
+    covers of it (k, rows, columns), in a step that is centred on that turn's edge.
     bare (rows, columns, 3) lies on the surface, X are the control points of the bare strip.
     """
     shape = bare.shape[:2]
