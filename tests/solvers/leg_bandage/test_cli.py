@@ -2,30 +2,17 @@
 
 import json
 import re
-import sys
 
 import numpy as np
 import pytest
 import virtual_scans as virtual
 
-from solvers.leg_bandage import cli
 from solvers.leg_bandage.basis import fit_basis, reconstruction_errors, shipped_basis
 from solvers.leg_bandage.cohort import load_cohort
 from solvers.leg_bandage.leg import Leg
 from solvers.leg_bandage.scan.growing import cohort_in, losses
 
 KNOWN = ("--up", "z", "--front", "y", "--side", "right", "--ends")
-
-
-@pytest.fixture
-def command(monkeypatch, capsys):
-    """Runs the command; returns exit status, standard output, standard error."""
-    def run(*words):
-        monkeypatch.setattr(sys, "argv", ["leg-bandage", *map(str, words)])
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-        return stop.value.code or 0, *capsys.readouterr()
-    return run
 
 
 @pytest.fixture

@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,6 @@ import numpy as np
 import pytest
 import virtual_scans as virtual
 
-from solvers.leg_bandage import cli
 from solvers.leg_bandage.cohort import load_cohort
 from solvers.leg_bandage.landmarks import sensor
 from solvers.leg_bandage.leg import Leg
@@ -263,17 +261,6 @@ def test_solved_leg_gives_answer_and_colours(told):
     np.testing.assert_allclose(surface.surface_of(found).pressure, 25.0)
     text = person_page(found)
     assert "<strong>31.4 mmHg</strong>" in text and "finite elements, coarse" in text
-
-
-@pytest.fixture
-def command(monkeypatch, capsys):
-    """Runs the command; returns exit status, standard output, standard error."""
-    def run(*words):
-        monkeypatch.setattr(sys, "argv", ["leg-bandage", *map(str, words)])
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-        return stop.value.code or 0, *capsys.readouterr()
-    return run
 
 
 def test_command_for_people_and_scripts(command, scan_file, study, told, tmp_path):

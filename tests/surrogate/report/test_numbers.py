@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import fraction
+from made_up import fraction
 from reader import read
 
 from surrogate import report

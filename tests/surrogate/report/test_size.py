@@ -6,7 +6,7 @@ import shutil
 import subprocess
 
 import pytest
-from conftest import wide_space
+from made_up import wide_space
 from reader import read
 
 from surrogate import report
