@@ -178,27 +178,28 @@ def _squared_errors(fit: Fit) -> np.ndarray:
 
 
 def _scores(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) -> tuple[
-        np.ndarray, str]:
-    """Scores that decide on the best surrogate of an output, and what they are."""
+        np.ndarray, str, str]:
+    """Scores that decide on the best surrogate of an output, what they are, and why these."""
     learnt = [fits[name][output].coded if output in fits[name] else None for name in fits]
     runs = [0 if coded is None else len(coded) for coded in learnt]
     most = learnt[int(np.argmax(runs))]
     same = np.array([coded is not None and np.array_equal(coded, most) for coded in learnt])
     able = np.isfinite(q2_cv)
     if able.any() and same[able].all():
-        return q2_cv, "cross-validated Q2"
+        return q2_cv, "cross-validated Q2", ""
     if np.isfinite(q2_test).any():
-        why = "they learnt from different runs" if able.any() else \
+        why = "the surrogates learnt from different runs" if able.any() else \
             "no surrogate can be cross-validated"
-        return q2_test, f"Q2 on the test design, since {why},"
-    return np.where(same, q2_cv, np.nan), "cross-validated Q2 of those that learnt from most runs"
+        return q2_test, "Q2 on the test design", why
+    return (np.where(same, q2_cv, np.nan),
+            "cross-validated Q2 of those that learnt from most runs", "")
 
 
 def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) -> dict:
     """Best and second best surrogate of one output, the margin and what to make of it."""
     names = [name for name in fits if output in fits[name]]
     order = {name: k for k, name in enumerate(fits)}
-    scores, how = _scores(fits, output, q2_cv, q2_test)
+    scores, *how = _scores(fits, output, q2_cv, q2_test)
     ranked = sorted((name for name in names if np.isfinite(scores[order[name]])),
                     key=lambda name: -scores[order[name]]) or names
     verdict = {"best": ranked[0], "runner_up": "", "margin": np.nan, "margin_p": np.nan,
@@ -208,15 +209,16 @@ def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) ->
         verdict["margin"] = float(scores[order[ranked[0]]] - scores[order[ranked[1]]])
         verdict["margin_p"] = paired_test(*(fits[name][output] for name in ranked[:2]))
     verdict["margin_clear"] = bool(verdict["margin_p"] < SIGNIFICANT)
-    verdict["sentence"] = _sentence(output, verdict, float(scores[order[ranked[0]]]), how)
+    verdict["sentence"] = _sentence(output, verdict, float(scores[order[ranked[0]]]), *how)
     return verdict
 
 
-def _sentence(output: str, verdict: dict, score: float, how: str) -> str:
+def _sentence(output: str, verdict: dict, score: float, how: str, why: str) -> str:
     if not np.isfinite(score):
         return (f"{output}: the surrogates cannot be told apart, for lack of runs to leave out "
                 "and of a test design.")
-    start = f"{output}: {verdict['best']} has the largest {how} ({score:.4g})"
+    figure = f"{score:.4g}; {why}" if why else f"{score:.4g}"
+    start = f"{output}: {verdict['best']} has the largest {how} ({figure})"
     if not verdict["runner_up"]:
         return f"{start}; no other surrogate could be judged."
     start += f", {verdict['margin']:.2g} above {verdict['runner_up']}"
