@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Annotated, Any
 
 from pydantic import (
@@ -258,7 +259,9 @@ def _mistake(item: Mapping[str, Any]) -> Mistake:
     if kind == "missing" and isinstance(key, int):
         return Mistake(path[:-1], f"{_shown(path)}: must have {key + 1} entries")
     if kind == "missing":
-        return Mistake(path[:-1], f"key '{key}' is needed here", on_key=len(path) > 1)
+        close = get_close_matches(str(key), [str(word) for word in given], n=1)
+        meant = f"; is '{close[0]}' meant to be '{key}'?" if close else ""
+        return Mistake(path[:-1], f"key '{key}' is needed here{meant}", on_key=len(path) > 1)
     if kind == "string_pattern_mismatch":
         name = given if isinstance(given, str) else key
         return Mistake([p for p in path if p != "[key]"], f"name '{name}' may hold letters, digits "

@@ -30,13 +30,17 @@ def solver_of(reading: Reading, part: SolverPart | None = None,
     with reading.noting(*path, "name"):
         mistakes = plugins.option_mistakes(factory.find(), part.options, GIVEN_TO_SOLVERS)
         reading.options_wrong(mistakes, *path, "options")
-        if not mistakes:
-            return recipe, _built(recipe, reading, path)
-        # The options that are right may build a solver to check the rest of the study with.
+        solver = None if mistakes else _built(recipe, reading, path)
+        if solver is not None:
+            return recipe, solver
+        # Options that are right, or none, may build a solver to check the rest of the study with.
         wrong = {option for option, _ in mistakes}
         sound = {name: value for name, value in part.options.items() if name not in wrong}
         aside = replace(reading, mistakes=[])
-        return recipe, _built(replace(recipe, options=sound), aside, path)
+        for options in (sound, {}) if mistakes else ({},):
+            solver = _built(replace(recipe, options=options), aside, path)
+            if solver is not None:
+                return recipe, solver
     return recipe, None
 
 

@@ -52,6 +52,8 @@ MISTAKES = {
     "unknown output": ("[flow]", "[flwo]", "8:11", "did you mean 'flow'"),
     "misspelt design": ("method: latin_hypercube", "method: latin_hypercub", "10:19",
                         "did you mean 'latin_hypercube'"),
+    "misspelt method": ("{method: sobol, runs", "{metod: sobol, runs", "11:3",
+                        "'method' is needed here; is 'metod' meant to be 'method'"),
     "design option": ("{method: sobol, runs: 8", "{method: sobol, rns: 8", "11:25",
                       "did you mean 'runs'"),
     "missing option": ("{method: sobol, runs: 8, ", "{method: sobol, ", "11:3",
@@ -154,6 +156,13 @@ def test_all_mistakes_at_once():
     for name in chosen:
         assert any(re.search(MISTAKES[name][3], sentence) for sentence in found), name
     assert lines == sorted(lines)
+
+
+def test_a_wrong_option_of_the_solver_hides_no_other_mistake():
+    """A solver that cannot be built with its options is built without them to check the rest."""
+    found = mistakes_of(SOUND.replace("{name: borehole}", """{name: leg_bandage, options:
+  {mesh: corse}}""").replace("constants: {Tl: 90}\noutputs: [flow]\n", ""))
+    assert "corse" in found[0] and "no input 'rw'" in found[1], found
 
 
 @pytest.mark.parametrize("text", ["", "just words", "[1, 2]", "study: x", "study: 3\nsolver: {}"])
