@@ -17,9 +17,10 @@ from solvers.leg_bandage.leg import Leg
 from solvers.leg_bandage.leg_mesh import LegMesh, leg_mesh
 from solvers.leg_bandage.shell import Shell
 from solvers.leg_bandage.solution import Problem, Tolerances, Viscosity
+from solvers.leg_bandage.spiral import Wrap
 from solvers.leg_bandage.surfaces import Skin, Strip
 from solvers.leg_bandage.tissue import Tissue
-from solvers.leg_bandage.wrapping import Lay, Wrap
+from solvers.leg_bandage.wrapping import Lay
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ from solvers.leg_bandage.model import ABOVE, BELOW, MESHES, Ends, Material, Mode
 from solvers.leg_bandage.outputs import OUTPUTS, answers
 from solvers.leg_bandage.parameters import INPUTS, SHAPE, complete, shapes_in
 from solvers.leg_bandage.progressive import wrap_and_solve
-from solvers.leg_bandage.wrapping import Wrap, element_rows, lay, wrap_for
+from solvers.leg_bandage.spiral import Wrap, wrap_for
+from solvers.leg_bandage.wrapping import element_rows, lay
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Input
 

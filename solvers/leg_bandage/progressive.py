@@ -16,8 +16,9 @@ from scipy.interpolate import CubicSpline
 from solvers.leg_bandage.leg_mesh import LegMesh
 from solvers.leg_bandage.loading import hold, release
 from solvers.leg_bandage.model import Model, build, skin_parameters
+from solvers.leg_bandage.spiral import Wrap, midline_arc
 from solvers.leg_bandage.surfaces import Skin
-from solvers.leg_bandage.wrapping import Lay, Wrap, lay_rows, midline_arc
+from solvers.leg_bandage.wrapping import Lay, lay_rows
 
 
 def deformed_skin(mesh: LegMesh, u: np.ndarray):

@@ -26,7 +26,7 @@ from solvers.leg_bandage.solution import Problem, Tolerances, Viscosity
 from solvers.leg_bandage.surfaces import Skin, Strip
 from solvers.leg_bandage.tissue import Tissue
 from solvers.leg_bandage.verification.plates import laid
-from solvers.leg_bandage.wrapping import _shares
+from solvers.leg_bandage.wrapping import shares
 
 SIDE, HEIGHT = 60.0, 30.0
 MARGIN = 2
@@ -82,7 +82,7 @@ def press(pressure: float, cells=(8, 8, 3), elements=(11, 9), twist: float = 0.0
     strip = Strip(*elements, offset=mesh.nvertices)
     X = np.vstack([mesh.p.T, laid(strip, (SIDE, SIDE)) + [0, 0, HEIGHT]])
     columns = [np.concatenate([[0.0], np.arange(n) + 0.5, [n]]) for n in elements]
-    share = np.outer(*(_shares(n) for n in elements)) * SIDE**2 / np.prod(elements)
+    share = np.outer(*(shares(n) for n in elements)) * SIDE**2 / np.prod(elements)
     own, weights = strip.stencil(np.stack(np.meshgrid(*columns, indexing="ij"), -1).reshape(-1, 2))
     points = Points(own, weights[0], share.ravel(), np.zeros(share.size, bool))
     face = nodes[..., -1]

@@ -17,9 +17,10 @@ from solvers.leg_bandage.leg_mesh import LegMesh
 from solvers.leg_bandage.model import skin_parameters
 from solvers.leg_bandage.shell import Shell
 from solvers.leg_bandage.solution import Problem, Tolerances, Viscosity, creep
+from solvers.leg_bandage.spiral import Wrap
 from solvers.leg_bandage.surfaces import Mandrel, Skin, Strip
 from solvers.leg_bandage.tissue import Tissue
-from solvers.leg_bandage.wrapping import Wrap, lay
+from solvers.leg_bandage.wrapping import lay
 
 
 def around(mandrel: Mandrel):

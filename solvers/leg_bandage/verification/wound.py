@@ -18,9 +18,9 @@ from solvers.leg_bandage.friction import ContactLaw
 from solvers.leg_bandage.leg_mesh import leg_mesh, tube
 from solvers.leg_bandage.outputs import MMHG
 from solvers.leg_bandage.solution import Tolerances
+from solvers.leg_bandage.spiral import Wrap
 from solvers.leg_bandage.surfaces import Mandrel
 from solvers.leg_bandage.verification.mandrel import ring_on_tube, ring_wrap, wind
-from solvers.leg_bandage.wrapping import Wrap
 
 
 def limp(tension: float) -> Fabric:

@@ -10,9 +10,10 @@ from solvers.leg_bandage.bone import bone_of
 from solvers.leg_bandage.leg import Leg
 from solvers.leg_bandage.model import MESHES, mesh_leg
 from solvers.leg_bandage.progressive import deformed_skin
+from solvers.leg_bandage.spiral import Wrap, wrap_for
 from solvers.leg_bandage.surfaces import Mandrel
 from solvers.leg_bandage.verification.mandrel import around
-from solvers.leg_bandage.wrapping import Wrap, element_rows, lay, wrap_for
+from solvers.leg_bandage.wrapping import element_rows, lay
 from surrogate.errors import SolverError
 
 CYLINDER = around(Mandrel(45, 45))
