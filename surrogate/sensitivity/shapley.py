@@ -59,7 +59,7 @@ def shapley(fit, space: Space, *, groups: Named | None = None, seed=0, confidenc
     require_at_least(4, scramblings=scramblings)
     require_at_least(8, samples=samples)
     one = model(fit, space, q2=q2)
-    exact = space.independent and _second_order(one.estimator) is not None
+    exact = space.independent and _second_order(one.estimator)
     grouped = numbers(space, groups)
     measure = Measure(space, exact, seed, tuple(map(tuple, grouped)))
     if exact:
@@ -90,7 +90,7 @@ class Measure:
     def of(self, estimator) -> tuple[np.ndarray, ...]:
         """The three kinds of effects of one estimator, each (d,); and the groups' (g,)."""
         if self.closed:
-            return self.summed(_second_order(estimator))
+            return self.summed(_closed(estimator))
         return self.effects(self._increases(estimator.predict).sum(axis=-1))
 
     def effects(self, parts: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -114,15 +114,26 @@ class Measure:
         return increases(predict, self.space, [u], runs, generator)
 
 
-def _second_order(estimator) -> tuple[np.ndarray, ...] | None:
-    """S_i + sum_j S_ij / 2 when first and second order make up the variance; else None."""
+def _second_order(estimator) -> bool:
+    """True when first and second order make up the variance of the estimator, in closed form."""
     if not hasattr(estimator, "sobol_indices"):
-        return None
+        return False
+    first, _, second = closed_form(estimator)
+    return abs(first.sum() + 0.5 * np.nansum(second) - 1.0) <= 1e-9
+
+
+def _closed(estimator) -> tuple[np.ndarray, ...]:
+    """The three kinds of effects (d,) from the estimator's own indices.
+
+    S_i + sum_j S_ij / 2, and a share of what lies above second order in proportion to the
+    input's part in it: exact up to third order, near enough for drawn surrogates beyond.
+    """
     first, total, second = closed_form(estimator)
     pairs = np.nan_to_num(second)
-    if abs(first.sum() + 0.5 * pairs.sum() - 1.0) > 1e-9:
-        return None
-    return first + 0.5 * pairs.sum(axis=1), first, total
+    above = np.maximum(total - first - pairs.sum(axis=1), 0.0)
+    rest = max(1.0 - first.sum() - 0.5 * pairs.sum(), 0.0)
+    share = rest * above / above.sum() if above.sum() > 0.0 else 0.0
+    return first + 0.5 * pairs.sum(axis=1) + share, first, total
 
 
 def _sampled(one: Model, measure: Measure, samples: int, scramblings: int, confidence: float):

@@ -1,6 +1,7 @@
 """Shapley effects against closed forms, independent and dependent."""
 
 from itertools import permutations
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +10,8 @@ from scipy.special import ndtri
 from surrogate.distributions import distribution, uniform
 from surrogate.errors import StudyError
 from surrogate.fitting import fit
+from surrogate.regressors.anova import SobolIndices
+from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Quadratic
 from surrogate.sensitivity import shapley as module
@@ -147,3 +150,23 @@ def test_constant_output_is_refused():
     """No variance to share."""
     with pytest.raises(StudyError, match="does not vary"):
         shapley(lambda x: np.ones(len(x)), gaussian_space(np.eye(2)))
+
+
+def test_draws_of_higher_order_than_the_fit():
+    """A fit of second order has refits with terms of third order, or with none at all."""
+    space = Space(tuple(Parameter(f"x{j}", uniform(0.0, 1.0)) for j in range(3)))
+    coded = space.sample(25, seed=1)
+    noise = 0.3 * np.random.default_rng(0).standard_normal(25)
+    values = coded[:, 0] + 0.5 * coded[:, 1] ** 2 + 0.3 * coded[:, 0] * coded[:, 2] + noise
+    effects = shapley(fit(space, coded, values, PolynomialChaos()), space)
+    assert effects.attrs["computed"] == "closed form"
+    assert effects["shapley"].sum() == pytest.approx(1.0, abs=1e-9)
+    assert (effects["shapley_surrogate"] > 0.0).all()
+
+
+def test_closed_effects_are_exact_up_to_third_order():
+    """Owen 2014, theorem 1: each share of the variance is split evenly among its inputs."""
+    second = np.array([[0.0, 0.1, 0.0], [0.1, 0.0, 0.05], [0.0, 0.05, 0.0]])
+    indices = SobolIndices(np.array([0.3, 0.2, 0.05]), np.array([0.7, 0.65, 0.4]), second, 1.0, 0.0)
+    effects = module._closed(SimpleNamespace(sobol_indices=lambda: indices))[0]
+    np.testing.assert_allclose(effects, [0.35 + 0.1, 0.275 + 0.1, 0.075 + 0.1], rtol=1e-12)
