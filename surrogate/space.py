@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -103,31 +104,41 @@ class Parameter:
         """Nodes (m,) in coded values and weights (m,) that sum to 1, for this parameter's law.
 
         Sums over the levels when categorical; Gauss-Legendre in the coded value
-        (exact to polynomial degree 2 `order` - 1) where that is uniform; for other
-        densities Gauss-Legendre of the density-weighted integrand, on panels.
+        where that is uniform and the Gauss rule of the law elsewhere, both exact to
+        polynomial degree 2 `order` - 1.
         """
         if self.categorical:
             return self.coded_levels, np.full(len(self.levels), 1.0 / len(self.levels))
         nodes, weights = special.roots_legendre(order)
         if not self.bounded or self.distribution.is_uniform:
             return nodes, weights / 2.0
-        return self._weighted_quadrature(order)
+        return _quadrature_of_law(self, order)
 
-    def _weighted_quadrature(self, order: int) -> tuple[np.ndarray, np.ndarray]:
-        """Gauss rule of the coded density, from 64 panels of Gauss-Legendre (Stieltjes)."""
-        lower, upper = self.distribution.support
-        breaks = np.union1d(np.linspace(-1.0, 1.0, 65), self._coded_kinks())
-        x, w = special.roots_legendre(max(16, order))
-        half = np.diff(breaks)[:, None] / 2.0
-        fine = (breaks[:-1, None] + half + half * x).ravel()
-        density = self.distribution.pdf(self.decode(fine)) * (upper - lower) / 2.0
-        mass = (half * w).ravel() * density
-        return _gauss_rule(fine, mass / mass.sum(), order)
 
-    def _coded_kinks(self) -> np.ndarray:
-        """Coded places where the density is not smooth: the mode of a triangle."""
-        mode = dict(self.distribution.words).get("mode")
-        return np.array([]) if mode is None else np.clip(self.encode([mode]), -1.0, 1.0)
+@lru_cache(maxsize=256)
+def _quadrature_of_law(parameter: Parameter, order: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss rule of a parameter's coded law, from Gauss-Legendre panels of the probability.
+
+    The panels halve towards probability 0 and 1, so that narrow laws, long tails and
+    densities without a bound are resolved as well as flat ones.
+    """
+    law = parameter.distribution
+    breaks = np.union1d(np.append(0.0, 0.5 ** np.arange(48.0, 0.0, -1.0)), _kinks(law))
+    x, w = special.roots_legendre(max(16, order))
+    half = np.diff(breaks)[:, None] / 2.0
+    tail = (breaks[:-1, None] + half + half * x).ravel()
+    mass = np.tile((half * w).ravel(), 2)
+    fine = parameter.encode(np.concatenate([law.ppf(tail), law.isf(tail)]))
+    rule = _gauss_rule(fine, mass / mass.sum(), order)
+    for array in rule:
+        array.setflags(write=False)  # they are shared by all who ask
+    return rule
+
+
+def _kinks(law: Distribution) -> np.ndarray:
+    """Tail probabilities at which the density is not smooth: at the mode of a triangle."""
+    mode = dict(law.words).get("mode")
+    return np.array([]) if mode is None else np.minimum(law.cdf([mode]), law.sf([mode]))
 
 
 def _gauss_rule(x: np.ndarray, w: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:

@@ -66,6 +66,33 @@ def test_quadrature_integrates_polynomials_of_the_coded_value(law):
         assert (weights * nodes**power).sum() == pytest.approx(exact, abs=2e-9)
 
 
+#: Mean and second moment of laws that are far from flat on their range.
+SKEWED = {
+    "loguniform": (distribution("loguniform", a=1e-6, b=1.0),
+                   lambda k: (1.0 - 1e-6**k) / (k * np.log(1e6))),
+    "arcsine": (distribution("beta", a=0.5, b=0.5), lambda k: stats.beta(0.5, 0.5).moment(k)),
+    "peak at 0": (distribution("beta", a=0.1, b=2.0), lambda k: stats.beta(0.1, 2.0).moment(k)),
+    "narrow": (distribution("normal", mean=5.01, std=5e-4, range=(2.0, 8.0)),
+               lambda k: [5.01, 5.01**2 + 25e-8][k - 1]),
+    "decaying": (distribution("expon", scale=1e-3, range=(0.0, 10.0)),
+                 lambda k: [1e-3, 2e-6][k - 1]),
+    "long tail": (distribution("lognormal", mean=1.0, std=5.0, range=(0.0, 1e9)),
+                  lambda k: [1.0, 26.0][k - 1]),
+}
+
+
+@pytest.mark.parametrize("name", SKEWED)
+def test_quadrature_of_laws_far_from_flat(name):
+    """Mean and variance in closed form: a logarithmic scale, poles, peaks and long tails."""
+    law, moment = SKEWED[name]
+    parameter = Parameter("x", law)
+    nodes, weights = parameter.quadrature(8)
+    values = parameter.decode(nodes)
+    variance = weights @ (values - weights @ values) ** 2
+    assert weights @ values == pytest.approx(moment(1), rel=1e-6)
+    assert variance == pytest.approx(moment(2) - moment(1) ** 2, rel=1e-5)
+
+
 def test_truncated_normal_is_scipy_truncnorm():
     """The truncated law against scipy.stats.truncnorm."""
     law, exact = LAWS["truncated"], stats.truncnorm(-3.0, 3.0, 5.0, 1.0)
