@@ -81,6 +81,19 @@ class Content:
         return np.asarray(self.runs["seconds"].values, dtype=float)
 
     @property
+    def repeated(self) -> np.ndarray:
+        """Which rows show again a run that an earlier row has shown, shape (run,).
+
+        Designs that share a point share its run, down to the time that it took.
+        """
+        again, seen = np.zeros(len(self.coded), dtype=bool), set()
+        for k, (point, spent) in enumerate(zip(self.coded, self.seconds, strict=True)):
+            key = (*np.round(point, 9), spent)
+            again[k] = key in seen and np.isfinite(spent)
+            seen.add(key)
+        return again
+
+    @property
     def deterministic(self) -> bool:
         """False when the solver gives another answer to the same question."""
         return str(self.runs.attrs.get("deterministic", "true")).lower() != "false"

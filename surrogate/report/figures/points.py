@@ -40,7 +40,10 @@ def points_plot(space: Space, coded, numbers, design, designs: list[str], ok) ->
              for name, fine in zip(design, ok, strict=True)]
     if space.size == 1 or space.size > PAIRS:
         return _strips(space, coded, numbers, kinds)
-    return _pairs(space, coded, numbers, kinds)
+    # The first design on top, for later ones often hold its points too; failed runs above all.
+    order = sorted(range(len(kinds)), key=lambda k: (kinds[k] == "cross",
+                                                     -designs.index(design[k])))
+    return _pairs(space, coded[order], [numbers[k] for k in order], [kinds[k] for k in order])
 
 
 def _pairs(space: Space, coded, numbers, kinds) -> Markup:

@@ -144,9 +144,9 @@ def influence(content: Content, output: str, name: str, table: xr.Dataset) -> li
     fit = content.fits_of(output).get(name)
     if fit is None or not {"cooks_distance", "studentised_external"} <= set(table.data_vars):
         return []
-    rows = rows_learnt(fit, content.coded)
-    number = {int(row): str(run) for run, row in zip(content.numbers, rows, strict=True)
-              if row >= 0}
+    number: dict[int, str] = {}
+    for run, row in zip(content.numbers, rows_learnt(fit, content.coded), strict=True):
+        number.setdefault(int(row), str(run))  # of designs that share a run, the first
     said = []
     for key, limit, words in (("cooks_distance", LARGE_COOK, "Cook's distance above 1, so the fit "
                                "leans on each of these runs by itself"),

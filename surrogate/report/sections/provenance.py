@@ -30,9 +30,10 @@ def section(content: Content) -> Section:
 def _cost(content: Content) -> list[tuple[Cell, ...]]:
     if not np.isfinite(content.seconds).any():
         return []
+    own = ~content.repeated
     return [(Cell("cost of the runs"),
-             Cell(f"{digits.duration(np.nansum(content.seconds))} of solver time in "
-                  f"{digits.quantity(len(content.ok), 'run')}"))]
+             Cell(f"{digits.duration(np.nansum(content.seconds[own]))} of solver time in "
+                  f"{digits.quantity(int(own.sum()), 'run')}"))]
 
 
 def _words(value) -> str:

@@ -37,9 +37,12 @@ def _count(content: Content) -> str:
         words += (f" {stored} of them {'was' if stored == 1 else 'were'} not run here but taken "
                   f"from {name}.")
     if np.isfinite(content.seconds).any():
-        spent, middle = np.nansum(content.seconds), np.nanmedian(content.seconds)
-        words += (f" They took {digits.duration(spent)} of solver time, {digits.duration(middle)} "
-                  "a run (median).")
+        again = content.repeated
+        seconds = content.seconds[~again]
+        words += (f" They took {digits.duration(np.nansum(seconds))} of solver time, "
+                  f"{digits.duration(np.nanmedian(seconds))} a run (median)")
+        words += (f"; {digits.quantity(int(again.sum()), 'run')} that designs share "
+                  f"{'is' if again.sum() == 1 else 'are'} counted once." if again.any() else ".")
     return words
 
 
