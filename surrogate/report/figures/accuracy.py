@@ -8,20 +8,21 @@ import numpy as np
 from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import WIDTH, Scale, drawing, group, label_room, mark, text
+from surrogate.report.drawing import WIDTH, Scale, drawing, label_room, mark, text
 from surrogate.report.figures.rows import Rows
 
 ROW = 24.0
+TITLES = {"hollow": "cross-validated", "filled": "held out"}
 #: The scale begins at 0 at the lowest and at this at the highest.
 HIGHEST_START = 0.9
-#: Where the words for a cross-validated and a held-out Q2 off the scale begin.
-OFF_SCALE = {"hollow": 4.0, "filled": 112.0}
+#: Room of the sign and the number of a Q2 off the scale, and of a disc on it.
+OFF_SCALE, DISC = 54.0, 10.0
 
 
 def accuracy_plot(names: Sequence[str], q2_cv, q2_test, output: str) -> Markup:
     """A row a surrogate: cross-validated Q2 hollow, held-out Q2 filled, each (surrogate,).
 
-    Values below 0 stand as words at the left end of the scale.
+    Values below 0 stand as numbers at the left end of the scale, beside a disc of their kind.
     """
     finite = [float(value) for value in (*q2_cv, *q2_test) if np.isfinite(value)]
     lowest = max(0.0, min(HIGHEST_START, min(finite, default=0.0) - 0.02))
@@ -29,16 +30,25 @@ def accuracy_plot(names: Sequence[str], q2_cv, q2_test, output: str) -> Markup:
     marks = [rows.frame("Q² (–), 1 is perfect")]
     for place, name in enumerate(names):
         marks.append(rows.name(place, name))
-        marks.append(_score(rows, place, name, "hollow", "cross-validated", float(q2_cv[place])))
-        marks.append(_score(rows, place, name, "filled", "held out", float(q2_test[place])))
+        marks += _scores(rows, place, name, {"hollow": float(q2_cv[place]),
+                                             "filled": float(q2_test[place])})
     return drawing(WIDTH, rows.height, *marks, says=f"Q2 of {len(names)} surrogates for {output}")
 
 
-def _score(rows: Rows, place: int, name: str, kind: str, how: str, value: float) -> Markup:
-    if not np.isfinite(value):
-        return group()
-    if value < rows.x.low:
-        return text(rows.x.start + OFF_SCALE[kind], rows.middle(place) + 4,
-                    f"‹ {digits.figure(value)} ({how})", "small")
-    return mark(kind, rows.x(value), rows.middle(place), 4.2,
-                data_tip=f"{name}\nQ² {how}: {digits.score(value)}")
+def _scores(rows: Rows, place: int, name: str, scores: dict[str, float]) -> list[Markup]:
+    """Discs on the scale; what lies below it in a row from its left end, clear of the discs."""
+    y, at = rows.middle(place), rows.x.start + 4.0
+    on = {kind: value for kind, value in scores.items() if value >= rows.x.low}
+    off = {kind: value for kind, value in scores.items() if value < rows.x.low}
+    marks = [mark(kind, rows.x(value), y, 4.2,
+                  data_tip=f"{name}\nQ² {TITLES[kind]}: {digits.score(value)}")
+             for kind, value in on.items()]
+    for kind, value in off.items():
+        for disc in map(rows.x, on.values()):
+            if at - DISC < disc < at + OFF_SCALE:
+                at = float(disc) + DISC
+        tip = f"{name}\nQ² {TITLES[kind]}: {digits.score(value)}"
+        marks += [text(at, y + 4, "‹", "small"), mark(kind, at + 10.0, y, 3.0, data_tip=tip),
+                  text(at + 16.0, y + 4, digits.figure(value), "small")]
+        at += OFF_SCALE
+    return marks

@@ -14,6 +14,9 @@ from surrogate.report.figures.calibration import calibration_plot
 from surrogate.report.figures.parity import parity_plot, residual_plot
 from surrogate.report.parity import Parity, parity, rows_learnt
 
+#: The design that the comparison holds out.
+TEST = "test"
+
 
 def blocks(content: Content, output: str) -> list:
     """Comparison table, margin sentence, parity and residuals."""
@@ -36,7 +39,7 @@ def _comparison(content: Content, output: str, names: list[str]) -> list:
         figures.append(Figure(
             accuracy_plot(names, cv, test, output),
             "Q² of each surrogate: open disc by cross-validation, filled disc on the held-out "
-            "runs. 1 is perfect, 0 is no better than the mean."))
+            f"runs. 1 is perfect, 0 is no better than the mean.{_off_scale(cv, test)}"))
     figures += _calibration(content, output)
     sentence = margin(content, output)
     return [*([Text(sentence, "lead")] if sentence else []), _table(content, output, rows),
@@ -68,8 +71,24 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
             line.append(Cell(words, float(value) if np.isfinite(value) else None, tone))
         lines.append(tuple(line))
     caption = f"Surrogates of {output} on the same folds and the same held-out runs."
+    if not _learnt_alike(content, output):
+        caption = (f"Surrogates of {output} on the same held-out runs. They learnt from different "
+                   "runs, so what is cross-validated does not compare.")
     return Table(caption, (Head("surrogate", numeric=False), *(Head(titles[key]) for key in shown)),
                  tuple(lines), sortable=len(lines) > 3)
+
+
+def _off_scale(*scores) -> str:
+    """What the sign at the left end of the scale means, where it stands."""
+    known = np.concatenate([np.asarray(column, dtype=float) for column in scores])
+    return " ‹: below the scale, with its value." if (known < 0.0).any() else ""
+
+
+def _learnt_alike(content: Content, output: str) -> bool:
+    """Whether all surrogates of an output learnt from the same runs."""
+    first, *others = content.fits_of(output).values()
+    return all(fit.coded.shape == first.coded.shape and np.array_equal(fit.coded, first.coded)
+               for fit in others)
 
 
 def margin(content: Content, output: str) -> str:
@@ -99,8 +118,14 @@ def _calibration(content: Content, output: str) -> list[Figure]:
 
 
 def _held_out(content: Content, output: str) -> int:
-    """Number of finished runs that no surrogate of the output has seen."""
-    points = content.coded[content.finished(output)]
+    """Number of finished runs that coverage was counted on: those of the test design.
+
+    Of a study without one, the runs that no surrogate of the output has seen.
+    """
+    finished = content.finished(output)
+    if TEST in content.designs:
+        return int((finished & (content.words("design") == TEST)).sum())
+    points = content.coded[finished]
     seen = [rows_learnt(fit, points) >= 0 for fit in content.fits_of(output).values()]
     return int((~np.any(seen, axis=0)).sum())
 
