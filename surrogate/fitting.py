@@ -231,7 +231,7 @@ def _left_out(fitted, prepared, coded, values, groups) -> np.ndarray:
 def _check(space, coded, values, estimator, surrogate, output) -> None:
     if len(coded) != len(values):
         raise FitError(f"{len(coded)} points but {len(values)} values of '{output}'")
-    bad = int((~np.isfinite(values).reshape(len(values), -1).all(axis=1)).sum())
+    bad = int((~np.isfinite(values).all(axis=tuple(range(1, values.ndim)))).sum())
     if bad:
         raise FitError(f"{bad} of {len(values)} values of '{output}' are not finite; leave failed "
                        "runs out before fitting")

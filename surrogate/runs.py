@@ -21,7 +21,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.errors import ResultsError, StudyError, nearest
-from surrogate.files import replacing
+from surrogate.files import write_bytes
 from surrogate.identity import Call, Recipe, calls, canonical, keys
 from surrogate.journal import Contents, Record
 from surrogate.solver import Output
@@ -144,8 +144,8 @@ def _history(designs: Designs, records: list[Record | None]) -> dict[str, tuple]
                    {"long_name": "design that the run belongs to"}),
         "status": ("run", np.array([r.status if r else "missing" for r in records], dtype=str),
                    {"long_name": f"how the run ended: {', '.join(STATUSES)}"}),
-        "message": ("run", np.array([r.message if r else "" for r in records], dtype=str),
-                    {"long_name": "why the run has no answer"}),
+        "message": ("run", np.array([_storable(r.message) if r else "" for r in records],
+                                        dtype=str), {"long_name": "why the run has no answer"}),
         "seconds": ("run", np.array([r.seconds if r else np.nan for r in records]),
                     {"units": "s", "long_name": "duration of the last attempt"}),
         "attempts": ("run", np.array([r.attempts if r else 0 for r in records]),
@@ -153,6 +153,11 @@ def _history(designs: Designs, records: list[Record | None]) -> dict[str, tuple]
         "finished": ("run", np.array(finished, dtype="datetime64[ns]"),
                      {"long_name": "when the run ended (UTC)"}),
     }
+
+
+def _storable(text: str) -> str:
+    """A message without what a netCDF text cannot hold: NUL, and bytes that were no UTF-8."""
+    return text.encode(errors="replace").decode().replace("\0", "?")
 
 
 def _provenance(recipe: Recipe, constants, fixed, study: str, seeds) -> dict[str, str]:
@@ -176,13 +181,13 @@ def versions() -> dict[str, str]:
     return found
 
 
-def save(runs: xr.Dataset, path: str | Path) -> None:
+def save(runs: xr.Dataset | xr.DataTree, path: str | Path, **options: Any) -> None:
     """Write a dataset as netCDF4, all of it or nothing: an older file stays until it is whole.
 
-    Raises `ResultsError` when the disk does not take it.
+    It is made in memory, because HDF5 takes the process down when a disk fills under it.
+    options: of `to_netcdf`. Raises `ResultsError` when the disk does not take it.
     """
-    with replacing(path) as temporary:
-        runs.to_netcdf(temporary, engine="h5netcdf")
+    write_bytes(path, runs.to_netcdf(engine="h5netcdf", **options))
 
 
 def load(path: str | Path, *, missing: str = "run the study first",
@@ -231,7 +236,7 @@ def training(runs: xr.Dataset, output: str,
         raise ResultsError(f"there is no output '{output}'; {nearest(output, known)}")
     good = select(runs, designs=designs, statuses=["ok"])
     values = good[output].values
-    known = np.isfinite(values).reshape(len(values), -1).all(axis=1)
+    known = np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
     return good["coded"].values[known], values[known]
 
 

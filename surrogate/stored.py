@@ -19,7 +19,6 @@ import xarray as xr
 
 from surrogate import runs as rundata
 from surrogate.errors import ResultsError, StudyError
-from surrogate.files import replacing
 from surrogate.identity import Call, Recipe, keys_in
 from surrogate.journal import Contents, Record
 
@@ -247,8 +246,7 @@ def write(runs: xr.Dataset, path: str | Path) -> None:
     finished.attrs.pop("stored", None)
     encoding = {str(name): {"zlib": True, "complevel": 6, "shuffle": True}
                 for name, variable in finished.variables.items() if variable.dtype.kind in "fiu"}
-    with replacing(path) as temporary:
-        finished.to_netcdf(temporary, engine="h5netcdf", encoding=encoding)
+    rundata.save(finished, path, encoding=encoding)
 
 
 def _fits_single(values: xr.DataArray) -> bool:

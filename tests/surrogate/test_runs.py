@@ -1,5 +1,7 @@
 import json
 import os
+import subprocess
+import sys
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -13,8 +15,8 @@ from surrogate import runs as rundata
 from surrogate.distributions import distribution, uniform
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution import execute
-from surrogate.identity import Recipe
-from surrogate.journal import read
+from surrogate.identity import Recipe, calls, keys
+from surrogate.journal import Contents, Record, read
 from surrogate.solver import Output
 from surrogate.space import Parameter, Space
 
@@ -105,6 +107,17 @@ def test_comes_back_from_a_file_as_it_was(runs, tmp_path):
     assert all(kind.kind in "fi" or h5py.check_string_dtype(kind) for kind in kinds.values())
 
 
+def test_a_message_of_any_bytes_is_stored(tmp_path):
+    """What a crashing program printed may hold NUL and broken UTF-8, which netCDF does not take."""
+    space = Space((Parameter("x", uniform(0.0, 4.0)),))
+    point = {"train": np.zeros((1, 1))}
+    (key,) = keys(RECIPE, calls(RECIPE, rundata.columns(space, point)))
+    broken = Record(key, {}, "failed", "core\0dumped \udcff é", 0.0, 1, 0.0)
+    found = rundata.assemble(space, point, RECIPE, Contents({key: broken}, tmp_path))
+    rundata.save(found, tmp_path / "runs.nc")
+    assert rundata.load(tmp_path / "runs.nc")["message"].values.tolist() == ["core?dumped ? é"]
+
+
 def test_a_dataset_in_which_nothing_ran_comes_back(tmp_path):
     runs = rundata.assemble(SPACE, {"train": TRAIN}, RECIPE, read(tmp_path))
     rundata.save(runs, tmp_path / "runs.nc")
@@ -151,16 +164,32 @@ def test_saving_is_all_or_nothing(runs, tmp_path, monkeypatch):
     path = tmp_path / "runs.nc"
     rundata.save(runs, path)
 
-    def half(dataset, target, **options):
-        with open(target, "wb") as file:
-            file.write(b"half")
+    def full(file):
         raise OSError(28, os.strerror(28))
 
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", half)
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(ResultsError, match="cannot write .*runs.nc: No space left on device"):
         rundata.save(runs.isel(run=[0]), path)
     assert rundata.load(path).identical(runs)
     assert os.listdir(tmp_path) == ["runs.nc"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="limits of POSIX")
+def test_a_disk_that_fills_under_a_dataset_is_a_sentence(tmp_path):
+    """HDF5 ends a process by a segmentation fault when a write of its own fails."""
+    code = ("import resource, sys, numpy, xarray; from surrogate import errors, runs\n"
+            "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n"
+            "whole = xarray.Dataset({'x': numpy.arange(9e3)})\n"
+            "for data in (whole, xarray.DataTree.from_dict({'/a/b': whole})):\n"
+            "    try:\n"
+            "        runs.save(data, sys.argv[1])\n"
+            "    except errors.ResultsError as error:\n"
+            "        print(error)\n")
+    done = subprocess.run([sys.executable, "-c", code, tmp_path / "runs.nc"], capture_output=True,
+                          text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("runs.nc: File too large; make room") == 2
+    assert os.listdir(tmp_path) == []
 
 
 def test_missing_and_damaged_files_are_sentences(tmp_path):
@@ -183,6 +212,13 @@ def test_training_takes_good_runs_of_the_named_designs(runs):
             rundata.training(runs, name)
     with pytest.raises(ResultsError, match="no runs of design 'tset'; did you mean 'test'"):
         rundata.training(runs, "square", ["tset"])
+
+
+def test_training_without_a_good_run_is_empty(runs):
+    bad = runs.isel(run=runs["status"].values != "ok")
+    for name, shape in (("square", (0,)), ("ramp", (0, 3))):
+        coded, values = rundata.training(bad, name, ["train", "test"])
+        assert coded.shape == (0, 2) and values.shape == shape
 
 
 def test_selects_and_counts(runs):
