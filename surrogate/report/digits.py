@@ -157,6 +157,11 @@ def labelled(name: str, units: str) -> str:
     return f"{name} ({printed})"
 
 
+def squared(sentence: str) -> str:
+    """A sentence from a dataset with its Q2 and R2 as the page prints them."""
+    return re.sub(r"\b([QR])2\b", r"\1²", sentence)
+
+
 def quantity(count: int, one: str, many: str = "") -> str:
     """`1 run`, `3 runs`."""
     return f"{count} {one if count == 1 else many or one + 's'}"

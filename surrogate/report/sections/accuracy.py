@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
 from surrogate.report import digits
@@ -97,8 +95,8 @@ def margin(content: Content, output: str) -> str:
     if table is None or "sentence" not in table or len(content.fits_of(output)) < 2 \
             or output not in table["output"].values.astype(str):
         return ""
-    words = str(table["sentence"].sel(output=output).item()).removeprefix(f"{output}: ")
-    words = re.sub(r"\bQ2\b", "Q²", words)
+    words = digits.squared(str(table["sentence"].sel(output=output).item()))
+    words = words.removeprefix(f"{output}: ")
     return words[:1].upper() + words[1:] if words.startswith("the ") else words
 
 

@@ -41,7 +41,8 @@ def of_output(content: Content, output: str) -> xr.Dataset | None:
 def refusal(content: Content, output: str) -> str:
     """Why the indices of this output are not to be trusted; empty when they are."""
     table = of_output(content, output)
-    return str(table["refused"].item()) if table is not None and "refused" in table else ""
+    told = table is not None and "refused" in table
+    return digits.squared(str(table["refused"].item())) if told else ""
 
 
 def blocks(content: Content, output: str) -> list:

@@ -11,6 +11,10 @@ from surrogate.report.figures.sobol import Bars, index_bars
 
 PARTS = ("low", "high", "sampling", "surrogate")
 
+#: Names of methods as a sentence has them.
+METHODS = {"sobol": "Sobol' indices", "shapley": "Shapley effects",
+           "morris": "elementary effects (Morris)", "dgsm": "squared derivatives (DGSM)",
+           "pawn": "PAWN"}
 #: What the measures of the methods that ship are, and the power of the output's unit in them.
 KNOWN = {
     "mu_star": (1, "mean size of the elementary effects (Morris)"),
@@ -86,7 +90,8 @@ def _meaning(table: xr.Dataset, name: str) -> str:
 
 def method_of(table: xr.Dataset) -> str:
     """How the indices were computed, as a sentence."""
-    words = [str(table.attrs.get("method", "")).replace("sobol", "Sobol'").replace("_", " ")]
+    method = str(table.attrs.get("method", ""))
+    words = [METHODS.get(method, method.replace("_", " "))]
     surrogate = str(table.attrs.get("surrogate", ""))
     words += [f"of surrogate {surrogate}"] if surrogate else []
     computed = str(table.attrs.get("computed", ""))

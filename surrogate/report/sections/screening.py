@@ -33,7 +33,7 @@ def section(content: Content) -> Section:
     title = "Screening"
     if decision is None:
         return Section("screening", title, (Text("No screening was asked for.", "note"),))
-    blocks = [Text(decision.refused, "warning")] if decision.refused else []
+    blocks = [Text(digits.squared(decision.refused), "warning")] if decision.refused else []
     blocks.append(Text(sentence(decision), "lead"))
     blocks += [Text(words, "note") for words in [_voters(content, decision)] if words]
     blocks.append(_verdicts(content, decision))

@@ -47,7 +47,7 @@ def _facts(content: Content) -> list[Fact]:
         if content.best(output) is not None:
             facts.append(_best(content, output, suffix))
         if of_output(content, output) is not None:
-            facts += [_matters(content, output, suffix), *_groups(content, output, suffix)]
+            facts += [_matters(content, output), *_groups(content, output, suffix)]
     if content.validation is not None:
         facts += [Fact("Closest to cases not seen" + (f": {output}" if several else ""), *words)
                   for output, *words in verdicts(content)]
@@ -98,8 +98,8 @@ def _spread(content: Content, output: str) -> float:
     return float(np.sqrt(np.mean(np.var(values, axis=0)))) if len(values) > 1 else 0.0
 
 
-def _matters(content: Content, output: str, suffix: str) -> Fact:
-    title = f"What matters most{suffix}"
+def _matters(content: Content, output: str) -> Fact:
+    title = "What matters most" + (f" to {output}" if len(content.outputs) > 1 else "")
     refused = refusal(content, output)
     if refused:
         return Fact(title, "not answered", refused)
@@ -112,9 +112,14 @@ def _matters(content: Content, output: str, suffix: str) -> Fact:
     shares = [digits.with_interval(*(total[part][k] for part in ("value", "low", "high")),
                                    most=DECIMALS) for k in order[:3]]
     words = [f"{names[k]} {share}" for k, share in zip(order[:3], shares, strict=True)]
-    what = ("Total indices" if leading == "total"
-            else digits.labelled(leading, unit_of(leading, table, content.unit(output))))
+    what = _titled(leading, unit_of(leading, table, content.unit(output)))
     return Fact(title, names[order[0]], f"{what}, largest first: {'; '.join(words)}.")
+
+
+def _titled(measure: str, unit: str) -> str:
+    """What a measure is called where a sentence begins."""
+    known = {"total": "Total indices", "shapley": "Shapley effects"}
+    return known.get(measure, digits.labelled(measure, unit) if unit else measure)
 
 
 def _groups(content: Content, output: str, suffix: str) -> list[Fact]:
@@ -174,8 +179,9 @@ def _poor(content: Content, output: str) -> list[str]:
                     f"runs it has not seen, below {POOR_Q2:g}: its predictions are rough.")
     coverage = content.row(best, output).get("coverage_95", np.nan)
     if coverage < POOR_COVERAGE:
-        said.append(f"Its 95{digits.THIN}% intervals hold only {digits.percent(coverage)} of the "
-                    f"held-out values of {output}: they are too narrow.")
+        said.append(f"The 95{digits.THIN}% intervals of {best} hold only "
+                    f"{digits.percent(coverage)} of the held-out values of {output}: they are too "
+                    "narrow.")
     return said
 
 

@@ -82,7 +82,7 @@ def _closest(data: xr.Dataset) -> list[str]:
             ", no more than chance would do"
         bias = digits.with_unit(digits.figure(abs(row["bias"]), 2), unit)
         limits = digits.with_unit(digits.interval(row["lower_limit"], row["upper_limit"]), unit)
-        said.append(f"{best} is closest to {output}: on average {bias} too {side}{sure}; of a new "
+        said.append(f"{best} is closest to {output}: on average {bias} too {side}{sure}; on a new "
                     f"case it is expected to be off by {limits} (95 % limits of agreement).")
     return said
 
@@ -110,7 +110,7 @@ def verdicts(content: Content) -> list[tuple[str, str, str]]:
         bias = digits.with_unit(digits.figure(row["bias"], 2), unit)
         found.append((output, f"{best}, bias {bias}", (
             f"95 % of its differences from {content.validation.attrs['cases']} are expected "
-            f"at {digits.with_unit(limits, unit)} ({row['n']:.0f} cases).")))
+            f"within {digits.with_unit(limits, unit)} ({row['n']:.0f} cases).")))
     return found
 
 

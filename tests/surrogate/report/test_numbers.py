@@ -163,12 +163,12 @@ def test_saturated_fit_and_aliases_are_said(study):
 
 def test_refused_indices_are_stamped(study):
     """Indices that are not to be trusted carry a stamp, and the answer does not use them."""
-    why = "Not to be relied on: Q2 = 0.41."
+    why, told = "Not to be relied on: Q2 = 0.41.", "Not to be relied on: Q² = 0.41."
     tree = read(report.build(study(refused=why)).html)
     stamps = [element for element in tree.all("span", class_="stamp")]
     assert len(stamps) == 2 and stamps[0].text == "not to be trusted"
     answer = next(tree.all("section", id="answer")).text
-    assert "not answered" in answer and why in answer
+    assert "not answered" in answer and told in answer
 
 
 def test_point_q2_of_a_field(study):
@@ -196,4 +196,19 @@ def test_any_measure_is_drawn_with_its_unit(study):
     rows = table(tree, "The same in numbers")
     assert [number(row[1]) for row in rows] == pytest.approx(moved["effect"].values[0], rel=6e-3)
     assert "effect (mmHg)" in next(tree.all("section", id="output-pressure_b1")).text
-    assert "What matters most tension" in next(tree.all("section", id="answer")).text
+    answer = next(tree.all("section", id="answer")).text
+    assert "What matters most tension effect (mmHg), largest first" in answer
+
+
+def test_answers_of_several_outputs_are_sentences(study):
+    """Shapley effects are called so, and intervals that are too narrow say whose they are."""
+    content = study(outputs=("pressure_b1", "slope"), surrogates=("quadratic",))
+    shares = content.sensitivity["total"].rename("shapley")
+    content.comparison["coverage_95"][:] = 0.5
+    told = shares.to_dataset().assign_attrs(method="shapley", surrogate="quadratic")
+    tree = read(report.build(replace(content, sensitivity=told)).html)
+    answer = next(tree.all("section", id="answer")).text
+    assert "What matters most to slope mu_skin Shapley effects, largest first" in answer
+    assert "intervals of quadratic hold only 50 % of the held-out values of slope" in answer
+    assert "Method: Shapley effects of surrogate quadratic." in next(
+        tree.all("section", id="output-slope")).text
