@@ -6,22 +6,34 @@ Exit status: 0 done; 1 ran, but something failed; 2 the input is wrong; 130 inte
 from __future__ import annotations
 
 import json
-import os
 import sys
 import traceback
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
+from typer.core import TyperGroup
 
 from surrogate import __version__, results, starting, studyfile, terminal
 from surrogate.errors import DesignError, PluginError, StudyError, SurrogateError
 from surrogate.progress import RunsBar
 from surrogate.study import Study
 
-app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True,
-                  context_settings={"help_option_names": ["-h", "--help"]},
+
+class _Verbs(TyperGroup):
+    """Says how far a verb came when it was interrupted; typer would end without a word."""
+
+    def invoke(self, ctx: typer.Context) -> object:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as stop:
+            _stop(stop if stop.args else "interrupted", 130)
+
+
+app = typer.Typer(cls=_Verbs, add_completion=False, pretty_exceptions_enable=False,
+                  no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]},
                   help="From an expensive simulation to a cheap model that can be trusted.")
 
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="The study file.")]
@@ -152,14 +164,10 @@ def main() -> None:
         _stop(error, 2)
     except SurrogateError as error:
         _stop(error, 1)
-    except KeyboardInterrupt as stop:
-        _stop(stop if stop.args else "interrupted", 130)
-    except BrokenPipeError:  # the reader of a pipe, such as head, has gone
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
     except Exception as error:  # a mistake of ours, not of the user
         log = Path("surrogate-error.log").absolute()
-        log.write_text(traceback.format_exc(), encoding="utf-8")
+        with suppress(OSError):
+            log.write_text(traceback.format_exc(), encoding="utf-8")
         _stop(f"internal error: {type(error).__name__}: {error}\nFinished runs are kept. "
               f"Please report it with {log}", 1)
 

@@ -212,11 +212,14 @@ def test_an_interrupted_study_resumes_without_repeating(place, blow, status):
     (place / "small.yaml").write_text(SMALL.replace(
         'name: "my_solver:Slow"', 'name: "my_solver:Slow", options: {pause: 0.2}'))
     process = subprocess.Popen([sys.executable, "-m", "surrogate", "run", "small.yaml"],
-                               cwd=place, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+                               cwd=place, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                               text=True)
     journal = place / "results/small/journal/runs.jsonl"
     wait_for(lambda: journal.exists() and len(journal.read_text().splitlines()) >= 8)
     process.send_signal(blow)
-    assert process.wait(timeout=60) == status
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == status
+    assert ("of 32 runs are done and kept; run again to go on" in said) == (status == 130)
     time.sleep(0.5)  # workers of a killed parent end their run
     kept = len(journal.read_text().splitlines())
     assert 8 <= kept < 32
