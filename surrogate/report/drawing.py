@@ -18,7 +18,7 @@ from markupsafe import Markup, escape
 from surrogate.report.digits import fixed
 
 WIDTH = 360.0
-LETTER = 6.1  # mean width of a letter at the drawings' 11-unit type
+LETTER, NARROW, WIDE = 6.8, 3.9, 10.0  # widths of letters in the drawings' 11-unit type
 
 
 def tag(name: str, *children, **attributes) -> Markup:
@@ -162,12 +162,22 @@ class Panel:
                      (self.x.end, self.y.start)], "axis")
 
 
+def width_of(words: str) -> float:
+    """Width of words in the drawings' 11-unit type, in DejaVu Sans: few fonts are wider."""
+    return sum(NARROW if letter in "fijlrt .,:;'|()[]" else WIDE if letter in "mwMW×%" else LETTER
+               for letter in words)
+
+
 def shortened(words: str, width: float) -> str:
     """Words cut to a width of the drawing, with an ellipsis when they do not fit."""
-    room = max(4, int(width / LETTER))
-    return words if len(words) <= room else words[: room - 1] + "…"
+    if width_of(words) <= width:
+        return words
+    kept = len(words) - 1
+    while kept > 3 and width_of(words[:kept] + "…") > width:
+        kept -= 1
+    return words[:kept] + "…"
 
 
 def label_room(words: Iterable[str], most: float = 150.0) -> float:
     """Width that the longest of these labels needs, within reason."""
-    return min(most, max((len(word) for word in words), default=4) * LETTER + 10)
+    return min(most, max(map(width_of, words), default=4 * LETTER) + 10)

@@ -17,11 +17,14 @@ from surrogate.report.drawing import (
     shortened,
     tag,
     text,
+    width_of,
 )
 from surrogate.space import Parameter, Space
 
 #: Up to this many parameters every pair has room for a panel.
 PAIRS = 7
+#: Size of the small type over that of the names.
+SMALL = 9.0 / 11.0
 #: Marks of the designs in their order; later designs use the last.
 MARKS = ("filled", "hollow", "square", "diamond")
 
@@ -60,16 +63,16 @@ def _pairs(space: Space, coded, numbers, kinds) -> Markup:
         marks.append(text(left - 6, size * (i - 0.5) + 4, shortened(space.names[i], left - 6),
                           "name", "end"))
     floor = size * (count - 1)
+    steep = any(width_of(name) > size for name in space.names[:-1])
     for j in range(count - 1):
-        marks.append(_below(space.names[j], left + size * (j + 0.5), floor, size))
-    steep = any(len(name) * 6.1 > size for name in space.names)
+        marks.append(_below(space.names[j], left + size * (j + 0.5), floor, steep))
     below = min(90.0, label_room(space.names[:-1])) * 0.82 + 12 if steep else 22.0
     return drawing(WIDTH, floor + below, *marks,
                    says=f"{len(numbers)} points of the designs, every pair of parameters, coded")
 
 
-def _below(name: str, x: float, floor: float, size: float) -> Markup:
-    if len(name) * 6.1 <= size:
+def _below(name: str, x: float, floor: float, steep: bool) -> Markup:
+    if not steep:
         return text(x, floor + 15, name, "name", "middle")
     return tag("text", shortened(name, 90.0), class_="name", text_anchor="end",
                transform=f"translate({x + 4:.1f} {floor + 10:.1f}) rotate(-55)")
@@ -93,7 +96,8 @@ def _strips(space: Space, coded, numbers, kinds) -> Markup:
     Runs stand a little above one another by their number, so that a design of two
     levels does not fall on two points.
     """
-    left, row, top = label_room(space.names, 110.0), 34.0, 6.0
+    ends = max(width_of(_ends(parameter)) for parameter in space.parameters)
+    left, row, top = max(label_room(space.names, 110.0), min(120.0, SMALL * ends + 4)), 34.0, 6.0
     marks = []
     lift = np.linspace(-9.0, 9.0, max(len(numbers), 2))
     for j, parameter in enumerate(space.parameters):

@@ -134,3 +134,19 @@ def test_save_is_whole_and_utf8(study, tmp_path):
     path = page.save(tmp_path / "new" / "report.html")
     assert path.read_text(encoding="utf-8") == page.html
     assert [file.name for file in path.parent.iterdir()] == ["report.html"]
+
+
+@pytest.mark.parametrize("count", (3, 9))
+def test_names_of_parameters_stay_inside_their_drawings(study, count):
+    """Widths of DejaVu Sans at 11 units, as a browser measures them: 71.4 for mu_bandage.
+
+    Three parameters are drawn in pairs, nine in strips with their ranges (103.5 at 9 units).
+    """
+    space = Space(tuple(Parameter(name, uniform(0.059, 0.137), unit="N/mm") for name in
+                        ("mu_bandage", *(f"p{k}" for k in range(count - 1)))))
+    tree = read(report.build(study(space=space, surrogates=("linear",), train=20)).html)
+    known = {"mu_bandage": 71.4, "0.059 to 0.137 (N/mm)": 103.5}
+    ends = [float(label.attributes["x"]) - known[label.text] for label in tree.all("text")
+            if label.text in known and label.attributes.get("text-anchor") == "end"
+            and "x" in label.attributes]
+    assert len(ends) >= 3 and min(ends) > -1.0
