@@ -9,9 +9,11 @@ import numpy as np
 from surrogate.sensitivity.draws import Measure, spread
 from surrogate.sensitivity.model import Model
 from surrogate.sensitivity.pick_freeze import (
+    ROUNDING,
     block_size,
     per_scrambling,
     pick_freeze,
+    pilot,
     unit_blocks,
 )
 
@@ -54,17 +56,21 @@ def variance_kept(one: Model, frozen: list[int], at: np.ndarray, *, samples: int
 
 def frozen_error(one: Model, frozen: list[int], at: np.ndarray, *, samples: int,
                  seed=None) -> float:
-    """E (f(x) - f(x with `frozen` inputs at `at`))^2 / Var f, by one scrambled sequence."""
+    """E (f(x) - f(x with `frozen` inputs at `at`))^2 / Var f, by one scrambled sequence.
+
+    0 for a function that varies by rounding only.
+    """
     runs = per_scrambling(samples, 1)
-    width = np.asarray(one.predict(at[None])).size
+    centre, width = pilot(one.predict, one.space)
     generator = np.random.default_rng(seed)
     squares, mean, second = 0.0, np.zeros(width), np.zeros(width)
     for u in unit_blocks(one.space.size, runs, block_size(4 * width, runs), generator):
         points = one.space.quantile(u)
-        values = np.asarray(one.predict(points)).reshape(len(points), -1)
+        values = (one.predict(points) - centre).reshape(len(points), -1)
         points[:, frozen] = at[frozen]
-        reduced = np.asarray(one.predict(points)).reshape(len(points), -1)
+        reduced = (one.predict(points) - centre).reshape(len(points), -1)
         squares += ((values - reduced) ** 2).sum() / runs
         mean += values.sum(axis=0) / runs
         second += (values**2).sum(axis=0) / runs
-    return float(squares / (second - mean**2).sum())
+    variance = (second - mean**2).sum()
+    return float(squares / variance) if variance > ROUNDING * (centre**2).sum() else 0.0

@@ -52,6 +52,11 @@ def _known(q2: float | None, fit) -> float | None:
     return None if q2 is None else float(q2)
 
 
+def rests(values: np.ndarray) -> bool:
+    """True when values (run, ...) differ from run to run by rounding only."""
+    return bool(np.ptp(values, axis=0).max() <= 1e-14 * np.abs(values).max())
+
+
 def require_at_least(least: int, **options: int) -> None:
     """Refuse counts that are too small to mean anything."""
     for name, value in options.items():

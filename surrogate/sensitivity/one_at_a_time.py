@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.errors import StudyError
-from surrogate.sensitivity.model import model
+from surrogate.sensitivity.model import model, rests
 from surrogate.sensitivity.table import Q2_NEEDED, dataset
 from surrogate.space import Parameter, Space
 
@@ -93,6 +93,8 @@ def _effect(predict, parameter: Parameter, j: int, rest: np.ndarray) -> float:
     points = np.tile(rest, (len(places), 1))
     points[:, j] = places
     values = np.asarray(predict(points)).reshape(len(places), -1)
+    if rests(values):
+        return 0.0
     if values.shape[1] == 1 and not parameter.categorical:
         return float(values[1, 0] - values[0, 0])
     gaps = values[:, None] - values[None, :]

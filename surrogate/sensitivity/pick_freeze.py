@@ -35,13 +35,14 @@ import numpy as np
 from scipy import stats
 from scipy.stats import qmc
 
-from surrogate.errors import StudyError
 from surrogate.sensitivity.model import require_at_least
 from surrogate.space import Space
 
 Predict = Callable[[np.ndarray], np.ndarray]
 Groups = Sequence[Sequence[int]]
 
+#: A variance below this share of the square of the mean is rounding: the function is constant.
+ROUNDING = 1e-28
 #: Most numbers held at once in the block of function values: 32 MB.
 BLOCK = 4_000_000
 
@@ -50,7 +51,8 @@ BLOCK = 4_000_000
 class Sampled:
     """Indices with the half-widths of their sampling intervals.
 
-    first_order, total: shape (d,); second_order: (d, d), symmetric, NaN on the diagonal;
+    first_order, total: shape (d,); second_order: (d, d), symmetric, NaN on the diagonal; all
+    zero for a constant function;
     `half` maps the same names to half-widths of the same shapes; evaluations: of f.
     """
 
@@ -97,13 +99,14 @@ def product_moments(predict: Predict, space: Space, *, groups: Groups | None = N
     """Means of products f(X) f(X') over the points, shape (scramblings, k, k).
 
     The k = 2 d + 2 columns, for d groups, are A, B, A_1 .. A_d, B_1 .. B_d, less a rough
-    mean of f so that no digits are lost; components of an array are summed.
+    mean of f so that no digits are lost; components of an array are summed. All zero for a
+    function that varies by rounding only.
     """
     d = space.size
     groups = [[i] for i in range(d)] if groups is None else groups
     k = 2 * len(groups) + 2
     runs = per_scrambling(samples, scramblings)
-    centre, width = _pilot(predict, space)
+    centre, width = pilot(predict, space)
     block = block_size(width * k, runs)
     moments = np.zeros((scramblings, k, k))
     for r, generator in enumerate(np.random.default_rng(seed).spawn(scramblings)):
@@ -112,7 +115,8 @@ def product_moments(predict: Predict, space: Space, *, groups: Groups | None = N
             mixtures = _mixtures(A, B, groups)
             columns = np.column_stack([(predict(X) - centre).ravel() for X in mixtures])
             moments[r] += columns.T @ columns / runs
-    return moments
+    constant = np.diagonal(moments.mean(axis=0)).mean() <= ROUNDING * (centre**2).sum()
+    return np.zeros_like(moments) if constant else moments
 
 
 def unit_blocks(dimensions: int, runs: int, block: int, generator) -> Iterator[np.ndarray]:
@@ -135,7 +139,7 @@ def block_size(width: int, runs: int) -> int:
     return int(np.clip(2 ** int(np.log2(max(BLOCK // width, 1))), 1, runs))
 
 
-def _pilot(predict: Predict, space: Space) -> tuple[np.ndarray, int]:
+def pilot(predict: Predict, space: Space) -> tuple[np.ndarray, int]:
     """Rough mean of f, and the number of its components."""
     values = np.asarray(predict(space.sample(64, seed=0)))
     return values.mean(axis=0), values[0].size
@@ -153,15 +157,17 @@ def _mixtures(A: np.ndarray, B: np.ndarray, groups: Groups) -> Iterator[np.ndarr
 
 
 def ratios(M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """First-order, total and second-order indices from product moments (k, k)."""
+    """First-order, total and second-order indices from product moments (k, k).
+
+    All zero where nothing varies.
+    """
     d = len(M) // 2 - 1
     a, b, ai, bi = 0, 1, np.arange(2, 2 + d), np.arange(2 + d, 2 + 2 * d)
     square = np.diag(M)
     distance = square[:, None] + square[None, :] - 2.0 * M
     four_variances = distance[a, b] + distance[ai, bi]
     if not four_variances.mean() > 0.0:
-        raise StudyError("this output does not vary over the ranges of the parameters, so it "
-                         "has no sensitivity indices; check outputs and ranges")
+        four_variances = np.ones_like(four_variances)
     first = 2.0 * (M[a, bi] - M[a, b] - M[ai, bi] + M[ai, b]) / four_variances
     total = (distance[a, ai] + distance[b, bi]) / four_variances
     pair = M[np.ix_(bi, ai)] - M[a, bi][:, None] - M[b, ai][None, :] + M[a, b]

@@ -20,13 +20,13 @@ import numpy as np
 import xarray as xr
 from scipy import stats
 
-from surrogate.errors import StudyError
 from surrogate.sensitivity.conditional import Pairs
 from surrogate.sensitivity.draws import closed_form, spread
 from surrogate.sensitivity.groups import Named, numbers
 from surrogate.sensitivity.model import Model, model, require_at_least
 from surrogate.sensitivity.pick_freeze import (
     BLOCK,
+    ROUNDING,
     jackknife,
     per_scrambling,
     unit_blocks,
@@ -54,7 +54,8 @@ def shapley(fit, space: Space, *, groups: Named | None = None, seed=0, confidenc
     (sums to 1), `closed_first_order` = Var E[f | x_i] / Var f and `independent_total` =
     E[Var(f | x outside i)] / Var f, which are the Sobol' indices when parameters are
     independent; each with `_low`, `_high`, `_sampling`, `_surrogate`. Closed form where a
-    surrogate has no interactions above second order and parameters are independent.
+    surrogate has no interactions above second order and parameters are independent. All zero
+    for an output that does not vary.
     """
     require_at_least(4, scramblings=scramblings)
     require_at_least(8, samples=samples)
@@ -155,32 +156,37 @@ def _block(one: Model) -> int:
 
 
 def effects(parts: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Shares from average increases, Var - c(all but i), c(i), in the rows of parts (3, d)."""
+    """Shares from average increases, Var - c(all but i), c(i), in the rows of parts (3, d).
+
+    All zero where nothing varies.
+    """
     variance = parts[0].sum()
-    if not variance > 0.0:
-        raise StudyError("this output does not vary over the ranges of the parameters, so it "
-                         "has no sensitivity indices; check outputs and ranges")
-    return tuple(parts / variance)
+    return tuple(parts / variance if variance > 0.0 else np.zeros_like(parts))
 
 
 def increases(predict, space: Space, blocks: Iterable[np.ndarray], runs: int,
               generator) -> np.ndarray:
-    """Unscaled effects (3, d, component) over the points of `blocks`, `runs` in all."""
+    """Unscaled effects (3, d, component) over the points of `blocks`, `runs` in all.
+
+    Zero for a component that varies by rounding only.
+    """
     d = space.size
     weights = _weights(d, generator)
-    costs = dict.fromkeys(weights, 0.0)
+    costs, size = dict.fromkeys(weights, 0.0), 0.0
     for u in blocks:
         pairs = Pairs.of(space, u)
         values = np.asarray(predict(pairs.points())).reshape(len(u), -1)
+        size = size + (values**2).sum(axis=0) / runs
         for subset in weights:
             moved = np.asarray(predict(pairs.partners(subset))).reshape(len(u), -1)
             costs[subset] = costs[subset] + ((values - moved) ** 2).sum(axis=0) / (2.0 * runs)
     everything = tuple(range(d))
+    varies = costs[everything] > ROUNDING * size
     average = sum(weight[:, None] * costs[subset] for subset, weight in weights.items())
     alone = np.stack([costs[everything] - costs[everything[:i] + everything[i + 1:]]
                       if d > 1 else costs[everything] for i in range(d)])
     last = np.stack([costs[(i,)] for i in range(d)])
-    return np.stack([average, alone, last])
+    return np.stack([average, alone, last]) * varies
 
 
 def _weights(d: int, generator) -> dict[Subset, np.ndarray]:

@@ -18,7 +18,12 @@ from scipy import stats
 
 from surrogate.errors import StudyError
 from surrogate.sensitivity.draws import spread
-from surrogate.sensitivity.model import Model, require_at_least, require_independent
+from surrogate.sensitivity.model import (
+    Model,
+    require_at_least,
+    require_independent,
+    rests,
+)
 from surrogate.sensitivity.table import Estimate, dataset
 from surrogate.space import Space
 
@@ -41,7 +46,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Measure:
-    """The method's measures of any surrogate on points common to all."""
+    """The method's measures of any surrogate on points common to all; zero for a constant one."""
 
     method: Method
     space: Space
@@ -58,6 +63,8 @@ class Measure:
         return [self._read(u, column) for column in columns]
 
     def _read(self, u: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, ...]:
+        if rests(values):  # SALib would divide by no variance, or measure rounding
+            return tuple(np.zeros(self.space.size) for _ in self.method.ends)
         with global_seed(self.seed):
             found = self.method.analyse(u, values, self.seed)
         return tuple(np.asarray(found[name], dtype=float) for name in self.method.ends)

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from sklearn.linear_model import LinearRegression
 
 from surrogate.distributions import uniform
 from surrogate.errors import StudyError
@@ -135,3 +136,21 @@ def test_other_measures_and_unknown_outputs_are_refused_with_the_cure():
     with pytest.raises(StudyError, match="'z' has no sensitivity indices"):
         decide(sobol(function, space, **SMALL), 0.02, space=space, fits={"y": function},
                outputs=["z"])
+
+
+def test_an_output_that_does_not_vary_has_no_voice():
+    """Beside f = x a constant output, sampled or in closed form: y is frozen, at no cost."""
+    space = unit_space("x", "y")
+    fits = [fitted(lambda t: t[:, 0], space, Linear(), "moves"),
+            fitted(lambda t: np.full(len(t), 10 / 3), space, Linear(), "rests"),
+            fitted(lambda t: np.full(len(t), 10 / 3), space, LinearRegression(), "sampled")]
+    decision = decided(space, 0.02, *fits)
+    assert decision.freeze == ("y",)
+    for kept in decision.variance_kept:
+        assert kept.share == pytest.approx(1.0) and kept.frozen_error == pytest.approx(0.0)
+
+
+def test_cost_of_freezing_on_a_large_constant():
+    """f = 1e8 + x + y / 2 at y = 0: error (1 / 12) / (5 / 12) all the same."""
+    one = model(lambda t: 1e8 + t @ [1.0, 0.5], unit_space("x", "y"))
+    assert variance_kept(one, [1], np.zeros(2)).frozen_error == pytest.approx(0.2, rel=1e-3)

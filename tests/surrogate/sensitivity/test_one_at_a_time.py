@@ -78,3 +78,9 @@ def test_field_has_the_root_mean_square_of_its_effects():
     """(3 x, 4 x): effect 2 sqrt((9 + 16) / 2)."""
     table = one_at_a_time(lambda t: t[:, :1] * np.array([[3.0, 4.0]]), unit_space("x"))
     np.testing.assert_allclose(table["effect"][0], [2.0 * np.sqrt(12.5)])
+
+
+def test_rounding_is_no_effect():
+    """3 + 1e-16 noise: no effects, so no shares and nothing kept."""
+    table = one_at_a_time(lambda x: 3.0 + 4e-16 * x[:, 0] - 4e-16 * x[:, 1], unit_space("x", "y"))
+    assert (table["share"] == 0.0).all() and not table["kept_by_share"].any()

@@ -143,3 +143,13 @@ def test_options_without_sense_are_refused_with_the_cure(method, options, senten
     """The value, what is allowed, the cure."""
     with pytest.raises(StudyError, match=sentence):
         method(lambda t: t[:, 0], unit_space("a", "b"), **options)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("ripple", [0.0, 4e-16])
+def test_output_that_does_not_vary_has_no_effects(method, ripple):
+    """Rounding moves no distribution and has no derivative, and no variance divides."""
+    effects = method(lambda t: 3.0 + ripple * t[:, 0], unit_space("x", "y"), **SMALL[method])
+    for name in ("mu_star", "nu", "total_bound", "maximum"):
+        if name in effects:
+            assert (effects[name] == 0.0).all() and (effects[f"{name}_high"] == 0.0).all()

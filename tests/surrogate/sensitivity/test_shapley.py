@@ -8,7 +8,6 @@ import pytest
 from scipy.special import ndtri
 
 from surrogate.distributions import distribution, uniform
-from surrogate.errors import StudyError
 from surrogate.fitting import fit
 from surrogate.regressors.anova import SobolIndices
 from surrogate.regressors.chaos import PolynomialChaos
@@ -146,10 +145,11 @@ def test_gaussian_process_shows_its_own_part(textbook):
     assert effects.attrs["surrogate_part"].startswith("posterior draws")
 
 
-def test_constant_output_is_refused():
-    """No variance to share."""
-    with pytest.raises(StudyError, match="does not vary"):
-        shapley(lambda x: np.ones(len(x)), gaussian_space(np.eye(2)))
+@pytest.mark.parametrize("ripple", [0.0, 4e-16])
+def test_constant_output_has_no_shares(ripple):
+    """No variance to share, nor is rounding shared out."""
+    effects = shapley(lambda x: 3.0 + ripple * x[:, 0], gaussian_space(np.eye(2)))
+    assert (effects["shapley"] == 0.0).all() and (effects["shapley_high"] == 0.0).all()
 
 
 def test_draws_of_higher_order_than_the_fit():
