@@ -187,7 +187,8 @@ def best_count(matrix: np.ndarray, y: np.ndarray, folds: np.ndarray) -> tuple[in
         squares[len(order):] += errors[-1]
     count = int(squares.argmin()) + 1
     total = float(((y - y.mean()) ** 2).sum())
-    return count, float(squares[count - 1]) / total if total > 0.0 else 1.0
+    varies = total > 1e-28 * float(y @ y)  # by more than rounding
+    return count, float(squares[count - 1]) / total if varies else 1.0
 
 
 def _path_errors(matrix: np.ndarray, y: np.ndarray, inside: np.ndarray) -> np.ndarray:

@@ -150,3 +150,11 @@ def test_bad_options():
 def test_scikit_learn_contract():
     """scikit-learn's own conformance suite."""
     check_estimator(PolynomialChaos(), on_skip=None)
+
+
+def test_rounding_of_a_constant_is_no_term():
+    """Values of 1/3, whose mean is off by a digit: one term, and no shares of a variance."""
+    coded = np.random.default_rng(0).uniform(-1.0, 1.0, (25, 3))
+    model = PolynomialChaos().fit(coded, np.full(25, 1.0 / 3.0))
+    assert model.indices_ == ((),)
+    assert model.sobol_indices().variance == 0.0 and not model.sobol_indices().total.any()
