@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ LARGEST_SHARE = 0.6
 """Of the whole area, that the largest piece must have for the others to be left out."""
 MERGE = 1e-6
 """Corners nearer than this part of the size of the scan are one corner."""
+
+_ASCII = bytes(letter if letter < 128 else ord("?") for letter in range(256))
 
 
 @dataclass(frozen=True)
@@ -53,8 +56,7 @@ def _load(path: Path, kind: str) -> tuple[np.ndarray, np.ndarray]:
     if path.stat().st_size == 0:
         raise ScanError(f"{path}: the file is empty; export the scan again")
     try:
-        scene = trimesh.load_scene(path, file_type=kind, process=False)
-        parts = scene.dump()
+        parts = _scene(path, kind).dump()
     except Exception as error:  # the reader raises whatever a broken file leads it to
         raise ScanError(f"{path}: is not a mesh in the format {kind} ({_line(error)}); export "
                         "the scan again as binary STL or PLY") from None
@@ -70,9 +72,28 @@ def _load(path: Path, kind: str) -> tuple[np.ndarray, np.ndarray]:
             np.concatenate([mesh.faces + k for mesh, k in zip(meshes, first, strict=True)]))
 
 
+def _scene(path: Path, kind: str) -> trimesh.Scene:
+    """What is in the file; letters that are not UTF-8 (names in Latin-1) are left aside.
+
+    Raises ValueError for what is neither text nor a whole binary file.
+    """
+    try:
+        return trimesh.load_scene(path, file_type=kind, process=False)
+    except (ImportError, UnicodeError):  # it would guess the encoding with another package
+        content = path.read_bytes()
+    head, end, rest = content.partition(b"end_header") if kind == "ply" else (content, b"", b"")
+    if b"\0" in head:
+        raise ValueError("neither text nor as long as a binary file says that it is: cut short, or "
+                         "of another format")
+    return trimesh.load_scene(BytesIO(head.translate(_ASCII) + end + rest), file_type=kind,
+                              process=False)
+
+
 def _line(error: Exception) -> str:
     """First line of a message, short enough for a sentence."""
     words = str(error).strip().splitlines()
+    if words and isinstance(error, ValueError):
+        return words[0][:120]
     return f"{type(error).__name__}: {words[0][:80]}" if words else type(error).__name__
 
 

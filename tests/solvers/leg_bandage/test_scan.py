@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import trimesh
 import virtual_scans as virtual
 
 from solvers.leg_bandage.basis import reconstruction_errors, shipped_basis
@@ -177,6 +178,22 @@ def test_validation_legs_as_scans(tmp_path, leg):
     np.testing.assert_allclose(fit.alphas, BASIS.project(one.snapshots().T)[0], atol=5e-4)
     direct = np.percentile(reconstruction_errors(BASIS, one)[1], 95)
     assert fit.error.percentile_95 == pytest.approx(direct, abs=0.03)
+
+
+@pytest.mark.parametrize("kind, options, mark", [
+    ("stl", {"file_type": "stl_ascii"}, "solid"), ("obj", {}, "v "),
+    ("ply", {"encoding": "ascii"}, "element"), ("ply", {"encoding": "binary"}, "element")])
+def test_names_in_an_older_encoding(tmp_path, mean_leg, kind, options, mark):
+    """A word of Latin-1 in the file, as scanners write names, changes nothing."""
+    path, words = tmp_path / f"leg.{kind}", {"stl": "solid ", "obj": "# ", "ply": "comment "}[kind]
+    trimesh.Trimesh(*virtual.leg_mesh(mean_leg), process=False).export(path, **options)
+    content, line = path.read_bytes(), f"{words}Größe".encode("latin-1")
+    if kind == "stl":
+        content = content.partition(b"\n")[2]
+        path.write_bytes(line + b"\n" + content)
+    else:
+        path.write_bytes(content.replace(mark.encode(), line + b"\n" + mark.encode(), 1))
+    np.testing.assert_allclose(fit_scan(path, **KNOWN).alphas, BASIS.mean, atol=5e-4)
 
 
 def test_same_scan_same_digits(whole, tmp_path):

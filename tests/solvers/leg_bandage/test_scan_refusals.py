@@ -78,6 +78,7 @@ def test_no_leg(tmp_path, mesh, sentence):
     ("leg.ply", b"dear diary\n" * 40, "is not a mesh in the format ply"),
     ("leg.obj", b"dear diary\n" * 40, "holds no triangles|is not a mesh in the format obj"),
     ("leg.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "3 points and no triangles|holds no triangles"),
+    ("leg.stl", b"\x80" + b"\xe9\0" * 4000, r"is not a mesh in the format stl \((?!Module)"),
     ("leg.txt", b"0 0 0", "'.txt' is not a format that is read here; save the scan as stl"),
 ])
 def test_no_mesh(tmp_path, name, content, sentence):
