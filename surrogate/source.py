@@ -97,6 +97,11 @@ def read_text(text: str, name: str) -> Source:
             loader.dispose()
     except yaml.YAMLError as error:
         raise StudyError(_yaml_sentence(error, name)) from None
+    except ValueError as error:  # !!int and !!float before a word
+        raise StudyError(f"{name}: this is not YAML: {error}") from None
+    except RecursionError:
+        raise StudyError(f"{name}: this is not YAML: an alias stands inside of what it names, or "
+                         "lists are nested too deep") from None
     return Source(name, text, data, source.keys, source.values)
 
 
