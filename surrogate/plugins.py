@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib.metadata import EntryPoint, entry_points
@@ -21,7 +21,8 @@ from typing import Any
 from pydantic import ConfigDict, PydanticSchemaGenerationError, ValidationError, create_model
 from typing_extensions import get_type_hints
 
-from surrogate.errors import PluginError, nearest
+from surrogate.errors import PluginError, SurrogateError, nearest
+from surrogate.execution.workers import describe
 
 SOLVERS = "surrogate.solvers"
 DESIGNS = "surrogate.designs"
@@ -75,6 +76,16 @@ def _make_importable(folder: Path | None) -> None:
     for place in (folder, Path.cwd()):
         if place is not None and str(place) not in sys.path:
             sys.path.append(str(place))
+
+
+def call(what: str, function: Callable[..., Any], *given: Any, **options: Any) -> Any:
+    """What a plug-in gives; whatever goes wrong in a stranger's code becomes one sentence."""
+    try:
+        return function(*given, **options)
+    except SurrogateError:
+        raise
+    except Exception as error:
+        raise PluginError(f"{what}: {describe(error)}") from error
 
 
 @dataclass(frozen=True)
@@ -138,6 +149,9 @@ def option_mistakes(function: Any, options: Mapping[str, Any],
     misspelt = {match for name in unknown for match in get_close_matches(name, taken, n=1)}
     mistakes += [("", f"option '{name}' is needed") for name, p in taken.items()
                  if p.default is Parameter.empty and name not in options and name not in misspelt]
+    if "seed" in taken and options.get("seed", 0) is None:
+        mistakes.append(("seed", "option 'seed' is empty: give a whole number, or leave it out; a "
+                         "study gives the same numbers each time"))
     known = {name: value for name, value in options.items() if name in taken}
     return mistakes + _value_mistakes(function, taken, known)
 

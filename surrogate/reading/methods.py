@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 
 from surrogate import plugins, studyfile
 from surrogate.designs.design import Design
-from surrogate.errors import StudyError, nearest
+from surrogate.errors import PluginError, StudyError, nearest
 from surrogate.fitting import minimum_runs
 from surrogate.reading.notes import Reading
 from surrogate.sensitivity import groups as grouping
@@ -70,15 +70,24 @@ def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) 
     if space is None or first is None or None in more:
         return None
     with reading.noting(*path):
-        coded = np.asarray(first(space), dtype=float)
+        coded = _points(part.method, space, first, space)
         added = []
         for addition, method in zip(part.augment, more, strict=True):
-            rows = method(space, coded)
+            rows = _points(addition.method, space, method, space, coded)
             added.append((addition.method, len(rows)))
             coded = np.vstack([coded, rows])
         options = {key: value for key, value in first.keywords.items() if key != "folder"}
         return Design(name, part.method, options, coded, tuple(added))
     return None
+
+
+def _points(name: str, space: Space, method: Callable[..., Any], *given: Any) -> np.ndarray:
+    """Coded points (run, parameter) that a method gives, whoever wrote it."""
+    coded = plugins.call(f"'{name}' fails", lambda: np.asarray(method(*given), dtype=float))
+    if coded.ndim != 2 or coded.shape[1] != space.size or not np.isfinite(coded).all():
+        raise PluginError(f"'{name}' gave an array of shape {coded.shape}; it must give coded "
+                          f"points (run, {space.size}), one column a parameter, all finite")
+    return coded
 
 
 def _method(reading: Reading, group: str, part, path: studyfile.Path):
@@ -93,6 +102,8 @@ def _method(reading: Reading, group: str, part, path: studyfile.Path):
         reading.options_wrong(mistakes, *path)
         if mistakes:
             return None
+        if not callable(function):
+            raise PluginError(f"'{part.method}' is not a method: it cannot be called")
         taken = plugins.parameters_of(function)
         given = {"folder": reading.folder} if "folder" in taken else {}
         if "seed" in taken:
@@ -121,7 +132,7 @@ def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | 
         reading.options_wrong(mistakes, *path, "options")
         if mistakes:
             return None
-        estimator = factory(**part.options)
+        estimator = plugins.call(f"'{part.method}' cannot be built", factory, **part.options)
         if not (hasattr(estimator, "fit") and hasattr(estimator, "predict")):
             raise StudyError(f"'{part.method}' is not a regressor: it has no fit and predict")
         if estimator.get_params().get("random_state", 0) is None:
@@ -137,6 +148,9 @@ def _check_training(reading, surrogate: Surrogate, designs, space: Space) -> Non
                 and name not in reading.part.designs:
             reading.wrong(f"learns from design '{name}', which the study has not; "
                           f"{nearest(name, reading.part.designs)}", *path, "train")
+    if "test" in surrogate.train:
+        reading.wrong("design 'test' judges the surrogates and is never learnt from; give the "
+                      "design another name, or learn from others", *path, "train")
     if space is None or any(name not in designs for name in surrogate.train):
         return
     points = np.unique(np.vstack([designs[name].coded for name in surrogate.train]), axis=0)

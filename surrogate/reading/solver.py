@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from surrogate import distributions, plugins, runs, studyfile, units
-from surrogate.errors import PluginError, StudyError, nearest
+from surrogate.errors import StudyError, nearest
 from surrogate.identity import Recipe
 from surrogate.plugins import SolverFactory
 from surrogate.reading.notes import Reading
@@ -46,13 +46,7 @@ def solver_of(reading: Reading, part: SolverPart | None = None,
 
 def _built(recipe: Recipe, reading: Reading, path: tuple[str, ...]) -> Solver | None:
     with reading.noting(*path, "options"):
-        try:
-            solver = recipe.solver
-        except (StudyError, PluginError):
-            raise
-        except Exception as error:
-            raise PluginError(f"solver '{recipe.name}' cannot be built: "
-                              f"{type(error).__name__}: {error}") from error
+        solver = plugins.call(f"solver '{recipe.name}' cannot be built", lambda: recipe.solver)
         if isinstance(solver, Solver):
             return solver
         lacking = [name for name in ("inputs", "outputs", "version") if not hasattr(solver, name)]
@@ -181,11 +175,9 @@ def _constant(part: studyfile.ConstantPart, taken: Input) -> float | str:
             raise StudyError(f"level '{part.value}' is unknown; "
                              f"{nearest(str(part.value), taken.levels)}")
         return part.value
-    if isinstance(part.value, str):
-        value = units.quantity(part.value, taken.unit)
-    else:
-        unit = taken.unit if part.unit is None else part.unit
-        value = units.conversion(unit, taken.unit).place(part.value)
+    unit = taken.unit if part.unit is None else part.unit
+    number = units.quantity(part.value, unit) if isinstance(part.value, str) else part.value
+    value = units.conversion(unit, taken.unit).place(number)
     _check_accepted((value, value), taken)
     return value
 

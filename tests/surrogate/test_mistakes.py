@@ -66,6 +66,13 @@ MISTAKES = {
                          "did you mean 'n_estimators'"),
     "unknown train": ("{method: linear}", "{method: linear, train: trian}", "13:35",
                       "did you mean 'train'"),
+    "learns from nothing": ("{method: linear}", "{method: linear, train: []}", "13:35",
+                            "at least 1 entry"),
+    "learns what it is judged by": ("{method: linear}", "{method: linear, train: [train, test]}",
+                                    "13:35", "'test' judges the surrogates"),
+    "seed that is none": ("seed: 1", "seed: null", "10:52", "'seed' is empty: give a whole number"),
+    "unit of a text": ("{Tl: 90}", "{Tl: {value: '90', unit: dm^2/year}}", "7:17",
+                       "below the smallest"),
     "unknown surrogate": ("surrogate: best", "surrogate: lienar", "15:41", "did you mean 'linear'"),
     "unknown sensitivity": ("sensitivity: {method: sobol", "sensitivity: {method: sobl", "15:23",
                             "did you mean 'sobol'"),
@@ -176,6 +183,11 @@ def test_the_same_words_from_python():
     with pytest.raises(StudyError, match=r"^designs\.train\.rns: option 'rns' is unknown"):
         Study.from_mapping({"study": "x", "solver": "borehole", "parameters": {"rw": [0.05, 0.1]},
                             "designs": {"train": {"method": "sobol", "rns": 8, "runs": 4}}})
+
+
+def test_a_constant_in_quotes_keeps_its_unit():
+    study = Study.from_text(SOUND.replace("{Tl: 90}", "{Tl: {value: '9000', unit: dm^2/year}}"))
+    assert study.constants == {"Tl": pytest.approx(90.0)}
 
 
 def test_a_csv_that_is_not_there(tmp_path):

@@ -4,10 +4,12 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from surrogate import plugins
-from surrogate.errors import PluginError
+from surrogate.errors import PluginError, StudyError
+from surrogate.study import Study
 
 MODULE = '''
 import numpy as np
@@ -99,6 +101,52 @@ def test_names_that_lead_nowhere(name, words):
     """Unknown names and paths are PluginErrors that say what is known."""
     with pytest.raises(PluginError, match=words):
         plugins.load(plugins.SOLVERS, name)
+
+
+def raises(space, *, seed=None):
+    raise KeyError(f"no idea of {space.size}")
+
+
+def gives_nothing(space, *, seed=None):
+    return None
+
+
+def gives_too_many_columns(space, *, seed=None):
+    return np.zeros((9, space.size + 1))
+
+
+def gives_gaps(space, *, seed=None):
+    return np.full((9, space.size), np.nan)
+
+
+not_callable = 3
+
+
+class Unbuildable:
+    def __init__(self):
+        raise RuntimeError("no licence")
+
+
+@pytest.mark.parametrize("name, words", [
+    ("raises", r"'test_plugins:raises' fails: KeyError: 'no idea of 3' \(test_plugins.py, line"),
+    ("gives_nothing", r"gave an array of shape \(\); it must give coded points \(run, 3\)"),
+    ("gives_too_many_columns", r"gave an array of shape \(9, 4\)"),
+    ("gives_gaps", "all finite"),
+    ("not_callable", "is not a method"),
+])
+def test_a_design_of_a_stranger_that_goes_wrong_is_a_mistake_of_the_study(name, words):
+    """It stands among the other mistakes, with its place."""
+    part = {"method": f"{__name__}:{name}"}
+    data = {"study": "strange", "solver": "ishigami",
+            "parameters": {name: [-1, 1] for name in ("X1", "X2", "X3")},
+            "designs": {"train": part, "test": {"method": "latin_hypercube", "runs": 9,
+                                                "augment": [part]}},
+            "surrogates": {"unbuildable": f"{__name__}:Unbuildable"}}
+    with pytest.raises(StudyError, match=words) as caught:
+        Study.from_mapping(data)
+    train, test, unbuildable = caught.value.mistakes
+    assert train.startswith("designs.train") and test.startswith("designs.test")
+    assert unbuildable.startswith("surrogates.unbuildable") and "no licence" in unbuildable
 
 
 def test_options_are_checked_against_the_signature():
