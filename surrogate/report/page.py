@@ -66,7 +66,8 @@ def _sections(content: Content) -> Iterator[Section]:
         blocks = [*accuracy.blocks(content, output), *fields.blocks(content, output),
                   *effects.blocks(content, output), *indices.blocks(content, output)]
         title = f"Output {digits.labelled(output, content.unit(output))}"
-        yield Section(anchor("output", output), title, tuple(blocks))
+        if blocks:
+            yield Section(anchor("output", output), title, tuple(blocks))
     if content.validation is not None:
         yield validation.section(content)
     yield screening.section(content)

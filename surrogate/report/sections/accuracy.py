@@ -17,7 +17,9 @@ TEST = "test"
 
 
 def blocks(content: Content, output: str) -> list:
-    """Comparison table, margin sentence, parity and residuals."""
+    """Comparison table, margin sentence, parity and residuals; nothing if none was asked for."""
+    if not content.fits:
+        return []
     result: list = [Heading("Comparison of surrogates", anchor(output, "comparison"))]
     names = list(content.fits_of(output))
     if not names:
@@ -148,7 +150,8 @@ def _parities(content: Content, output: str, names: list[str]) -> list:
             found = parity(content, content.fits_of(output)[name], output)
             figures.append(Figure(parity_plot(found, output, unit, name),
                                   f"{name}: surrogate over solver. {_reading(found)}"))
-        result.append(Fold(f"Parity of the other {digits.quantity(len(others), 'surrogate')}",
+        which = "surrogate" if len(others) == 1 else f"{len(others)} surrogates"
+        result.append(Fold(f"Parity of the other {which}",
                            (Figures(tuple(figures)),)))
     return result
 

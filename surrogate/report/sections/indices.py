@@ -49,6 +49,8 @@ def blocks(content: Content, output: str) -> list:
     """Bars, numbers, interactions."""
     title = Heading("Sensitivity", anchor(output, "sensitivity"))
     table = of_output(content, output)
+    if table is None and not content.fits:
+        return []
     if table is None:
         return [title, Text("No sensitivity analysis was made for this output.", "note")]
     refused = refusal(content, output)

@@ -30,6 +30,9 @@ def section(content: Content) -> Section:
     if content.about:
         blocks.append(Text(content.about, "lead"))
     blocks.append(Facts(tuple(_facts(content))))
+    if not content.fits:
+        blocks.append(Text("The study asks for no surrogate: it makes runs and shows them.",
+                           "note"))
     warned = warnings(content)
     if warned:
         blocks.append(Points(tuple(warned), "warning"))
@@ -172,7 +175,7 @@ def warnings(content: Content) -> list[str]:
 def _poor(content: Content, output: str) -> list[str]:
     best = content.best(output)
     if best is None:
-        return [f"No surrogate of {output} could be fitted."]
+        return [f"No surrogate of {output} could be fitted."] if content.fits else []
     said, q2 = [], content.q2(best, output)
     if np.isfinite(q2) and q2 < POOR_Q2:
         said.append(f"The best surrogate of {output}, {best}, has Q² {digits.fixed(q2, 2)} on "

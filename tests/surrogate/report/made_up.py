@@ -147,7 +147,7 @@ def _with_results(content: Content, surrogates, outputs, sensitivity, refused) -
     trained = content.ok & (content.words("design") == "train")
     held = content.ok & (content.words("design") == "test")
     if not trained.any():
-        return content
+        return replace(content, fits={name: {} for name in surrogates})
     fits = {name: {output: fitting.fit(content.space, content.coded[trained],
                                        content.values(output)[trained], methods[name](),
                                        surrogate=name, output=output) for output in outputs}

@@ -107,11 +107,17 @@ def test_one_parameter_and_dependent_parameters(study):
 
 
 def test_nothing_but_runs(study):
-    """Without fits, comparison or indices the page still shows designs and runs."""
+    """Without fits, comparison or indices the page still shows designs and runs.
+
+    A surrogate that could not be fitted is told as such, one that nobody asked for is not.
+    """
     content = study(train=10, test=0, surrogates=("linear",))
     bare = Content(content.name, content.space, content.runs)
     text = read(report.build(bare).html).text
-    assert "No surrogate could be fitted" in text and "All 10 runs" in text
+    assert "All 10 runs" in text and "asks for no surrogate" in text
+    assert "could be fitted" not in text and "output-" not in text
+    text = read(report.build(replace(bare, fits={"linear": {}})).html).text
+    assert "No surrogate could be fitted" in text and "asks for no surrogate" not in text
 
 
 def test_every_figure_has_a_text_and_every_column_a_head(study):
