@@ -241,7 +241,7 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
     limits, drag, cost = problem.tolerances, problem.viscosity, problem.cost
     smallest, largest = max(until, limits.viscosity[0]), limits.viscosity[1]
     dragged, reach, heading = drag.area > 0, LONG_MOVE, np.zeros_like(u)
-    failure, accepted = NotConverged(np.inf, 0), 0
+    left, accepted = (np.inf, 0), 0
     for step in range(limits.steps):
         drag.coefficient, drag.origin = viscosity, u
         state, final = problem.state(), viscosity <= smallest
@@ -250,7 +250,7 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
         except NotConverged as trouble:
             problem.restore(state)
             cost.cut_backs += 1
-            failure, heading = trouble, np.zeros_like(u)
+            left, heading = (trouble.residual, trouble.dof), np.zeros_like(u)
             viscosity, reach = viscosity * FALL, max(0.7 * reach, LONG_MOVE / 4)
             if viscosity > largest:
                 break
@@ -268,4 +268,4 @@ def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None)
         heading = change if accepted > 1 else heading
         fall = np.clip((reach / move) ** 2, 1.0, FALL if iterations <= EASY else FALL / 2)
         viscosity = max(viscosity / fall, smallest)
-    raise failure
+    raise NotConverged(*left)  # a kept exception would keep its frames, and with them all factors

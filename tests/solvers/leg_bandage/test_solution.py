@@ -1,5 +1,9 @@
 """Newton, cut-backs and the way to rest, on a ring round a rigid cylinder."""
 
+import gc
+import weakref
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -52,6 +56,37 @@ def test_a_failed_step_is_undone_and_repeated_with_more_drag(ring, monkeypatch):
     assert drag < ring.problem.tolerances.rest
     assert np.abs(u - whole).max() < 0.01
     assert ring.problem.cost.cut_backs == 1
+
+
+@pytest.mark.parametrize("longest", [0.5, 0.0])
+def test_no_circle_of_references_keeps_the_factors(ring, monkeypatch, longest):
+    """After steps that fail, and after a whole run that fails, the system goes with its problem.
+
+    longest: largest viscosity that is left to try, MPa/mm.
+    """
+    problem, newton, calls = ring.problem, Problem.newton, []
+    problem.tolerances = replace(problem.tolerances, viscosity=(1e-6, longest))
+
+    def shaky(self, u, force=None):
+        calls.append(u)
+        if len(calls) == 2:
+            raise NotConverged(1.0, 0)
+        return newton(self, u, force)
+
+    monkeypatch.setattr(Problem, "newton", shaky)
+    gc.collect()
+    gc.disable()
+    try:
+        if longest:
+            creep(problem, np.zeros(ring.X.size), 1e-3)
+        else:
+            with pytest.raises(NotConverged, match="residual 1"):
+                creep(problem, np.zeros(ring.X.size), 1e-3)
+        system = weakref.ref(problem.system)
+        problem.system = None
+        assert len(calls) >= 2 and system() is None
+    finally:
+        gc.enable()
 
 
 def test_no_steps_left_is_not_rest(ring):
