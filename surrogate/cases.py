@@ -58,14 +58,14 @@ class Cases:
         values, mistakes = np.full(len(self.places), np.nan), []
         for k, cell in enumerate(self.columns[name]):
             try:
-                if isinstance(cell, str) and not cell.strip():
+                if isinstance(cell, str) and cell.strip().lower() in ("", "nan"):
                     cell = np.nan
                 if not gaps and not _finite(cell):
                     raise StudyError("there is no value")
                 values[k] = convert.place(units.quantity(cell, stated) if isinstance(cell, str)
                                           else float(cell))
             except StudyError as error:
-                mistakes.append(f"{self.places[k]}: {name}: {error}")
+                mistakes.append(f"{self.places[k]}: {name}: {error}".removeprefix(": "))
         if mistakes:
             more = [f"and {len(mistakes) - SHOWN} more"] if len(mistakes) > SHOWN else []
             raise StudyError(*mistakes[:SHOWN], *more)
@@ -91,28 +91,30 @@ def _finite(cell: Any) -> bool:
     return isinstance(cell, str) or bool(np.isfinite(cell))
 
 
-def read_csv(path: Path, name: str) -> Cases:
-    """The cases in a CSV file; raises `StudyError` when it cannot be read or holds none."""
+def read_csv(path: Path, name: str = "") -> Cases:
+    """The cases in a CSV file; raises `StudyError` when it cannot be read or holds none.
+
+    name: of the file, as the study writes it; default the path.
+    """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
-        raise StudyError(f"cases '{name}': {path} cannot be read ({error.strerror or error}); "
-                         "give the path relative to the study file") from None
+        cure = "; give the path relative to the study file" if name else ""
+        raise StudyError(f"{path} cannot be read ({error.strerror or error}){cure}") from None
     except UnicodeDecodeError:
-        raise StudyError(f"cases '{name}': {path} is not a text file in UTF-8; save it as CSV "
-                         "UTF-8") from None
+        raise StudyError(f"{path} is not a text file in UTF-8; save it as CSV UTF-8") from None
     rows = [(number, [cell.strip() for cell in next(csv.reader([line]))])
             for number, line in enumerate(lines, 1)
             if line.strip(" ,\t") and not line.lstrip().startswith("#")]
     if len(rows) < 2:
-        raise StudyError(f"cases '{name}': {path} holds no cases; its first line names the "
-                         "columns, each further line is a case")
+        raise StudyError(f"{path} holds no cases; its first line names the columns, each further "
+                         "line is a case")
     _check_rows(path, rows)
     header = rows[0][1]
     columns = {title: np.array([cells[j] for _, cells in rows[1:]], dtype=object)
                for j, title in enumerate(header) if title}
     labels = columns.pop(LABEL, [str(k) for k in range(1, len(rows))])
-    return Cases(name, columns, tuple(f"{path}:{number}" for number, _ in rows[1:]),
+    return Cases(name or str(path), columns, tuple(f"{path}:{number}" for number, _ in rows[1:]),
                  tuple(map(str, labels)))
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,8 +10,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate import units
-from surrogate.errors import ResultsError, StudyError, nearest
+from surrogate.cases import Cases, read_csv
+from surrogate.errors import FitError, ResultsError, StudyError, nearest
 from surrogate.space import Space
 from surrogate.study import Fits, Study
 
@@ -35,17 +34,23 @@ def predict(study: Study, results: Path, surrogate: str | None, words: Sequence[
 
     surrogate: its name; None for the best of each output. Values are in the solver's
     unit unless they carry one (`tension='98 N/m'`). Raises `StudyError` for points that
-    are not understood and `ResultsError` when no runs are stored.
+    are not understood, `ResultsError` when no runs are stored and `FitError` when nothing
+    can be fitted to them.
     """
-    physical = _from_words(study, words) if points is None else _from_csv(study, points, words)
+    physical = _from_words(study.space, words) if points is None else \
+        _from_csv(study.space, points, words)
     coded = study.space.encode(physical)
     stored = _stored(study, results, surrogate)
-    fits = (study if surrogate is None else study.with_surrogates([surrogate])).fit(stored)
+    asked = study if surrogate is None else study.with_surrogates([surrogate])
+    fits = asked.fit(stored)
     inside = study.space.contains(coded)
     outputs = {output: (name, *_with_interval(fits[name][output], coded))
                for output, name in _chosen(study, fits, stored, surrogate).items()}
+    lost = asked.unfitted(stored, fits) if len(outputs) < len(study.outputs) else []
+    if not outputs:
+        raise FitError("\n".join(lost))
     return Predictions([_row(study.space, physical, inside, outputs, i)
-                        for i in range(len(coded))], _note(stored))
+                        for i in range(len(coded))], "\n".join([*_note(stored), *lost]))
 
 
 def _row(space: Space, physical, inside, outputs, i: int) -> dict[str, Any]:
@@ -75,10 +80,10 @@ def _stored(study: Study, results: Path, surrogate: str | None) -> xr.Dataset:
     return stored
 
 
-def _note(stored: xr.Dataset) -> str:
+def _note(stored: xr.Dataset) -> list[str]:
     missing = int((stored["status"] == "missing").sum())
-    return f"{missing} runs of the study are not done yet; the surrogates lack them." \
-        if missing else ""
+    return [f"{missing} runs of the study are not done yet; the surrogates lack them."] \
+        if missing else []
 
 
 def _chosen(study: Study, fits: Fits, stored: xr.Dataset,
@@ -91,60 +96,41 @@ def _chosen(study: Study, fits: Fits, stored: xr.Dataset,
             if any(output in by_output for by_output in fits.values())}
 
 
-def _from_words(study: Study, words: Iterable[str]) -> dict[str, np.ndarray]:
+def _from_words(space: Space, words: Iterable[str]) -> dict[str, np.ndarray]:
     """Columns of one point from `name=value` words; all mistakes at once."""
     mistakes, given = [], {}
     for word in words:
         name, equals, value = word.partition("=")
         if not equals:
             mistakes.append(f"'{word}' is not name=value")
-        elif name not in study.space.names:
-            mistakes.append(f"parameter '{name}' is unknown; {nearest(name, study.space.names)}")
+        elif name not in space.names:
+            mistakes.append(f"parameter '{name}' is unknown; {nearest(name, space.names)}")
         elif name in given:
             mistakes.append(f"parameter '{name}' is given twice")
         else:
-            given[name] = value
-    return _columns(study.space, [given], mistakes, [""])
+            given[name] = np.array([value], dtype=object)
+    return _columns(space, Cases("", given, ("",), ("",)), mistakes)
 
 
-def _from_csv(study: Study, path: Path, words: Sequence[str]) -> dict[str, np.ndarray]:
-    """Columns of the points in a CSV file whose header names the parameters."""
+def _from_csv(space: Space, path: Path, words: Sequence[str]) -> dict[str, np.ndarray]:
+    """Columns of the points in a CSV file whose first line names the parameters."""
     if words:
         raise StudyError("give either name=value words or --points, not both")
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.DictReader(file))
-    except (OSError, UnicodeDecodeError) as error:
-        raise StudyError(f"{path}: cannot be read: {error}") from None
-    if not rows:
-        raise StudyError(f"{path}: holds no points; its first line names the parameters, "
-                         "each further line is a point")
-    places = [f"{path}:{line}: " for line in range(2, len(rows) + 2)]
-    return _columns(study.space, rows, [], places)
+    return _columns(space, read_csv(path), [])
 
 
-def _columns(space: Space, rows: Sequence[Mapping[str, str]], mistakes: list[str],
-             places: Sequence[str]) -> dict[str, np.ndarray]:
-    missing = [name for name in space.names if name not in rows[0]]
+def _columns(space: Space, given: Cases, mistakes: list[str]) -> dict[str, np.ndarray]:
+    missing = [name for name in space.names if name not in given.columns]
     if missing:
-        mistakes.append(f"{places[0]}no value for {', '.join(missing)}")
-    columns: dict[str, list] = {name: [] for name in space.names}
-    for row, place in zip(rows, places, strict=True):
-        for name in (name for name in space.names if name not in missing):
+        mistakes.append(f"{given.name}: no value for {', '.join(missing)}".removeprefix(": "))
+    columns = {}
+    for parameter in space.parameters:
+        if parameter.name not in missing:
             try:
-                columns[name].append(_value(space, name, row[name]))
+                columns |= given.inputs({parameter.name: parameter})
+                parameter.encode(columns[parameter.name])
             except StudyError as error:
-                mistakes += [f"{place}{name}: {sentence}" for sentence in error.mistakes]
+                mistakes += error.mistakes
     if mistakes:
         raise StudyError(*mistakes)
-    return {name: np.asarray(values) for name, values in columns.items()}
-
-
-def _value(space: Space, name: str, text: str | None) -> float | str:
-    if text is None:
-        raise StudyError("no value in this line")
-    parameter = space[name]
-    if parameter.categorical:
-        parameter.encode([text])
-        return text
-    return units.quantity(text, parameter.unit)
+    return columns

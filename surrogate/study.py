@@ -19,12 +19,12 @@ from surrogate import stored as storing
 from surrogate.cases import Cases, from_runs
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
-from surrogate.errors import FitError, StudyError
+from surrogate.errors import FitError, PluginError, StudyError
 from surrogate.execution import Progress, cores, execute, execute_fresh
 from surrogate.fitting import Fit
 from surrogate.identity import Call, Recipe, calls, canonical, keys
 from surrogate.journal import read as read_journal
-from surrogate.plugins import parameters_of
+from surrogate.plugins import call, parameters_of
 from surrogate.reading import Reading, SensitivityMethod, Surrogate
 from surrogate.report import Content, Page, build
 from surrogate.sensitivity.screening import Screening, decide
@@ -200,13 +200,14 @@ class Study:
         return [str(self._fit(runs, name, output)) for name in self.surrogates
                 for output in self.outputs if output not in fits[name]]
 
-    def _fit(self, runs: xr.Dataset, name: str, output: str) -> Fit | FitError:
+    def _fit(self, runs: xr.Dataset, name: str, output: str) -> Fit | FitError | PluginError:
         surrogate = self.surrogates[name]
         coded, values = rundata.training(runs, output, surrogate.train)
         try:
-            return fitting.fit(self.space, coded, values, surrogate.estimator,
-                               surrogate=name, output=output)
-        except FitError as error:
+            return call(f"surrogate '{name}' cannot be fitted to '{output}'", fitting.fit,
+                        self.space, coded, values, surrogate.estimator, surrogate=name,
+                        output=output)
+        except (FitError, PluginError) as error:
             return error
 
     def compare(self, fits: Fits, runs: xr.Dataset) -> xr.Dataset | None:

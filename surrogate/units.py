@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -86,4 +87,6 @@ def quantity(text: str, target: str) -> float:
         value = float(head)
     except ValueError:
         raise StudyError(f"'{text}' is not a number; write 0.098 or '98 N/m'") from None
+    if not math.isfinite(value):
+        raise StudyError(f"'{text}' is not a finite number")
     return conversion(unit.strip() or target, target).place(value)
