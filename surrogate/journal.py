@@ -90,13 +90,17 @@ def read(folder: str | Path) -> Contents:
     """All whole records of the journal in `folder`; the last one of a key counts.
 
     Changes nothing, so it is safe while another process writes. A journal that does not
-    exist is empty. Damaged lines are left out and counted in `dropped`.
+    exist is empty. Damaged lines are left out and counted in `dropped`. Raises
+    `ResultsError` when it is there and cannot be read.
     """
     folder = Path(folder)
     try:
         data = (folder / RECORDS).read_bytes()
     except FileNotFoundError:
         return Contents({}, folder)
+    except OSError as error:
+        raise ResultsError(f"{folder / RECORDS} cannot be read: {error.strerror or error}; it is "
+                           "where finished runs are kept") from error
     length = data.rfind(b"\n") + 1
     records, dropped = {}, int(length < len(data))
     with _Fields(folder / FIELDS) as fields:

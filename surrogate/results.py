@@ -34,6 +34,8 @@ from surrogate.reduction import reduced_text
 from surrogate.study import Fits, Study
 
 REPORT, SUMMARY, RUNS = "report.html", "summary.json", "runs.nc"
+#: Datasets that follow from the runs: those that a study does not ask for are not there.
+DERIVED = ("comparison", "sensitivity", "regression", "validation")
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,8 @@ def validate(study: Study, folder: Path, cases: Path | None = None) -> tuple[xr.
     """Set the stored runs' surrogates beside cases; returns the figures and their page's path.
 
     cases: a file; default the study's own. The dataset is written beside the page, both named
-    after the file when it is given. Raises `StudyError` when there are no cases.
+    after the file when it is given. Raises `StudyError` when there are no cases and
+    `ResultsError` when there is nothing to set beside them.
     """
     if cases is None and study.validation is None:
         raise StudyError("the study has no validation: and no cases are given; add "
@@ -124,10 +127,14 @@ def validate(study: Study, folder: Path, cases: Path | None = None) -> tuple[xr.
     runs = study.stored(folder)
     fits = study.fit(runs)
     table = study.validate(fits, cases, results=folder)
-    path = folder / ("validation" if cases is None else f"validation_{cases.stem}")
-    rundata.save(table, path.with_suffix(".nc"))
-    page = study.validation_page(runs, table).save(path.with_suffix(".html"))
-    return table, page
+    lost = study.unfitted(runs, fits)
+    if not table.sizes["model"]:
+        raise ResultsError("\n".join(["there is no surrogate or model to set beside the cases",
+                                      *lost]))
+    table.attrs["notes"] = "\n".join(filter(None, [table.attrs["notes"], *lost]))
+    name = "validation" if cases is None else f"validation_{cases.stem}"
+    rundata.save(table, folder / f"{name}.nc")
+    return table, study.validation_page(runs, table).save(folder / f"{name}.html")
 
 
 def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
@@ -140,12 +147,14 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
     cases, trouble = _cases(study, folder)
     validation = study.validate(fits, cases) if cases is not None else None
     not_done = study.unfitted(runs, fits) + trouble
+    for outdated in (folder / SUMMARY, *(folder / f"{name}.nc" for name in DERIVED),
+                     folder / "study_reduced.yaml", *(folder / "surrogates").glob("*.json")):
+        outdated.unlink(missing_ok=True)
     rundata.save(runs, folder / RUNS)
-    for name, dataset in (("comparison", table), ("sensitivity", indices),
-                          ("validation", validation)):
+    for name, dataset in zip(DERIVED, (table, indices, _tree(regressions), validation),
+                             strict=True):
         if dataset is not None:
             rundata.save(dataset, folder / f"{name}.nc")
-    _save_regressions(regressions, folder / "regression.nc")
     _save_portable(fits, folder / "surrogates")
     write_text(folder / "study.yaml", study.text)
     if reduced:
@@ -177,7 +186,9 @@ def _stamp(study: Study, runs: xr.Dataset, cases: Cases | None) -> str:
     if cases is not None:
         digest.update(repr([(name, column.tolist()) for name, column in cases.columns.items()]
                            + [cases.labels]).encode())
-    digest.update(json.dumps(rundata.versions(), sort_keys=True).encode())
+    models = study.validation.models if study.validation else {}
+    digest.update(json.dumps([rundata.versions(), {name: recipe.context for name, recipe
+                                                   in models.items()}], sort_keys=True).encode())
     for name in sorted(map(str, runs.data_vars)):
         values = runs[name].values
         digest.update(np.ascontiguousarray(values if values.dtype.kind in "fiuM"
@@ -187,7 +198,8 @@ def _stamp(study: Study, runs: xr.Dataset, cases: Cases | None) -> str:
 
 def _read_summary(folder: Path) -> dict[str, Any]:
     with suppress(OSError, ValueError):
-        return json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+        return found if isinstance(found, dict) else {}
     return {}
 
 
@@ -200,12 +212,11 @@ def _trouble(runs: xr.Dataset, not_done: list[str]) -> str:
     return "\n".join([*sentences, *not_done])
 
 
-def _save_regressions(regressions: Mapping[str, Mapping[str, xr.Dataset]], path: Path) -> None:
+def _tree(regressions: Mapping[str, Mapping[str, xr.Dataset]]) -> xr.DataTree | None:
     """A group per surrogate; with several outputs, a group per output inside it."""
     groups = {f"/{name}" if len(by) == 1 else f"/{name}/{output}": table
               for name, by in regressions.items() for output, table in by.items()}
-    if groups:
-        rundata.save(xr.DataTree.from_dict(groups), path)
+    return xr.DataTree.from_dict(groups) if groups else None
 
 
 def _save_portable(fits: Fits, folder: Path) -> None:

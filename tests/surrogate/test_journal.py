@@ -110,6 +110,15 @@ def test_a_missing_journal_is_empty(tmp_path):
     assert not (tmp_path / "none").exists()
 
 
+def test_a_journal_that_cannot_be_read_is_a_sentence(tmp_path):
+    """A file where the folder should be, a folder where the file should be."""
+    (tmp_path / "file").write_text("")
+    (tmp_path / "folder" / journal.RECORDS).mkdir(parents=True)
+    for place in (tmp_path / "file", tmp_path / "folder"):
+        with pytest.raises(ResultsError, match="runs.jsonl cannot be read: .*directory"):
+            read(place)
+
+
 @pytest.mark.parametrize("room", [0, 1, 40, 47, 60, 200])
 def test_a_full_disk_keeps_what_is_there(tmp_path, monkeypatch, room):
     """ENOSPC in the array or in the line: a sentence, and no torn record afterwards."""
