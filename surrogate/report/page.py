@@ -48,6 +48,7 @@ def build(content: Content, only: str = "") -> Page:
     """
     environment = Environment(loader=PackageLoader("surrogate.report", "."), autoescape=True,
                               undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["parted"] = _parted
     sections = [section for section in _sections(content)
                 if not only or section.anchor in (only, "provenance")]
     return Page(environment.get_template("page.html").render(
@@ -77,6 +78,11 @@ def _sections(content: Content) -> Iterator[Section]:
 def _part(environment: Environment, name: str) -> Markup:
     """A file of this folder as it is; ours, so nothing in it needs escaping."""
     return Markup(environment.loader.get_source(environment, name)[0])
+
+
+def _parted(words: str) -> Markup:
+    """A name that may be broken behind its underscores where there is no room for it."""
+    return Markup("_<wbr>").join(words.split("_"))
 
 
 def _json(data) -> Markup:
