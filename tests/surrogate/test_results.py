@@ -1,0 +1,74 @@
+"""What lies in a study's folder: that which the study asks for now, and nothing of before."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from surrogate import results
+from surrogate.errors import ResultsError, SolverError
+from surrogate.solver import Input, Output
+from surrogate.study import Study
+
+STUDY = {"study": "kept", "solver": "borehole",
+         "parameters": {"rw": [0.05, 0.15], "L": [1120, 1680]},
+         "designs": {"train": {"method": "latin_hypercube", "runs": 12, "seed": 1}},
+         "surrogates": {"linear": "linear", "forest": "sklearn.ensemble:RandomForestRegressor"},
+         "sensitivity": {"method": "sobol", "surrogate": "linear"},
+         "screening": {"freeze_below": 0.2}}
+FIRST = {"report.html", "runs.nc", "comparison.nc", "summary.json", "study.yaml", "journal"}
+
+
+class Hopeless:
+    """Never has an answer."""
+
+    version = "1"
+    inputs = {"a": Input(range=(0, 1)), "b": Input(range=(0, 1))}
+    outputs = {"y": Output()}
+
+    def __call__(self, a, b):
+        raise SolverError("buckles")
+
+
+def run(study, folder):
+    with ThreadPoolExecutor(1) as executor:
+        study.run(results=folder, executor=executor)
+    return results.analyse(study, folder)
+
+
+def without(*words, **changes):
+    return Study.from_mapping({**{word: part for word, part in STUDY.items()
+                                  if word not in words}, **changes})
+
+
+def test_files_of_an_earlier_form_of_the_study_go(tmp_path):
+    """Indices, tables and surrogates that the study no longer asks for are not left behind."""
+    done = run(Study.from_mapping(STUDY), tmp_path)
+    assert done.summary["screening"]["freeze"] == ["L"]
+    assert set(os.listdir(tmp_path)) == FIRST | {"regression.nc", "sensitivity.nc", "surrogates",
+                                                 "study_reduced.yaml"}
+    assert os.listdir(tmp_path / "surrogates") == ["linear.json"]
+    run(without("sensitivity", "screening", surrogates={"gp": "gaussian_process"}), tmp_path)
+    assert set(os.listdir(tmp_path)) == FIRST | {"surrogates"}
+    assert os.listdir(tmp_path / "surrogates") == ["gp.json"]
+
+
+def test_a_study_without_an_answer_has_a_report(tmp_path):
+    """Every run failed: the report says so, with the reason; there is nothing to predict with."""
+    study = without(solver=f"{__name__}:Hopeless", parameters={"a": [0, 1], "b": [0, 1]})
+    done = run(study, tmp_path)
+    assert "of 12 runs: 12 failed" in done.trouble and "but 'y' has 0" in done.trouble
+    assert "buckles" in done.report.read_text(encoding="utf-8")
+    (tmp_path / "cases.csv").write_text("a,b,y\n0.5,0.5,1\n")
+    with pytest.raises(ResultsError, match="no surrogate or model .*\n.*but 'y' has 0"):
+        results.validate(study, tmp_path, tmp_path / "cases.csv")
+
+
+def test_a_damaged_summary_is_made_again(tmp_path):
+    study = without("sensitivity", "screening", surrogates={"linear": "linear"})
+    before = run(study, tmp_path).summary
+    for text in ("[1]", '{"stamp"', ""):
+        (tmp_path / "summary.json").write_text(text)
+        again = results.analyse(study, tmp_path)
+        assert again.fresh and again.summary["stamp"] == before["stamp"]
+    assert not results.analyse(study, tmp_path).fresh
