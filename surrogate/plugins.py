@@ -92,23 +92,16 @@ def call(what: str, function: Callable[..., Any], *given: Any, **options: Any) -
 class SolverFactory:
     """Builds a study's solver in any process: `factory(**options)`.
 
-    name    entry point or `module:object`; from Python also the class or solver itself
+    name    entry point or `module:object`
     folder  where the study file lies: for its own modules and files
     """
 
-    name: Any
+    name: str
     folder: Path | None = None
-
-    @property
-    def label(self) -> str:
-        """The solver's name as the study writes it."""
-        if isinstance(self.name, str):
-            return self.name
-        return getattr(self.name, "__qualname__", type(self.name).__qualname__)
 
     def find(self) -> Any:
         """What the name stands for: a class, a function, or a solver already built."""
-        return load(SOLVERS, self.name, self.folder) if isinstance(self.name, str) else self.name
+        return load(SOLVERS, self.name, self.folder)
 
     def __call__(self, **options: Any) -> Any:
         """The solver; `PluginError`, or the constructor's own error, when it cannot be built."""

@@ -76,10 +76,7 @@ class Study:
 
     @classmethod
     def from_mapping(cls, data: Mapping[str, Any]) -> Study:
-        """The study in the words of a study file, as Python data.
-
-        The solver's name, or the solver itself, may be a Python object here.
-        """
+        """The study in the words of a study file, as Python data; `module:object` names a class."""
         return _build(cls, Source(data=data), None)
 
     @property

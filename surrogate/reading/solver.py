@@ -24,7 +24,7 @@ def solver_of(reading: Reading, part: SolverPart | None = None,
     """The study's solver, or that of `part`, built once here to learn its inputs and outputs."""
     part = reading.part.solver if part is None else part
     factory = SolverFactory(part.name, reading.folder)
-    recipe = Recipe(factory.label, factory, part.options)
+    recipe = Recipe(part.name, factory, part.options)
     if reading.is_broken(*path):
         return recipe, None
     with reading.noting(*path, "name"):
