@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from sklearn.utils.estimator_checks import check_estimator
 
+from surrogate.designs.fractional_factorial import fractional_factorial
 from surrogate.distributions import uniform
 from surrogate.fitting import fit
 from surrogate.regressors.polynomial import Quadratic
@@ -112,3 +113,17 @@ def test_unknown_order():
 def test_scikit_learn_contract(model):
     """scikit-learn's own conformance suite."""
     check_estimator(model, on_skip=None)
+
+
+def test_rounding_does_not_choose_among_aliased_terms():
+    """Resolution III: a:b, c:e and others are one column. The order of the runs says nothing."""
+    space = Space(tuple(Parameter(name, uniform(0.0, 1.0)) for name in "abcdefg"))
+    coded = fractional_factorial(space, resolution=3, center_points=3)
+    rng = np.random.default_rng(0)
+    for _ in range(4):
+        noise = 0.1 * rng.standard_normal(len(coded))
+        values = coded @ [3.0, 1.0, 0.0, 0.0, 0.2, 0.0, 0.0] + coded[:, 0] * coded[:, 1] + noise
+        orders = [rng.permutation(len(coded)) for _ in range(4)]
+        found = {tuple(Stepwise(space=space).fit(coded[order], values[order]).terms_)
+                 for order in orders}
+        assert len(found) == 1
