@@ -41,7 +41,7 @@ Designs = Mapping[str, np.ndarray]
 
 
 def name_mistakes(space: Space, outputs: Mapping[str, Output]) -> list[str]:
-    """A sentence for each name that would stand for two things in one dataset."""
+    """A sentence for each name that a dataset cannot hold, or that would stand for two things."""
     reserved = f"reserved in the runs dataset ({', '.join(sorted(RESERVED_NAMES))}); rename it"
     dims = {dim: name for name, output in outputs.items() for dim in output.dims}
     mistakes = [f"parameter '{name}': the name is {reserved}"
@@ -50,6 +50,9 @@ def name_mistakes(space: Space, outputs: Mapping[str, Output]) -> list[str]:
                  for name in outputs if name in RESERVED_NAMES]
     mistakes += [f"dimension '{dim}' of output '{name}': the name is {reserved}"
                  for dim, name in dims.items() if dim in RESERVED_NAMES]
+    mistakes += [f"{what} '{name}': a name in the runs dataset cannot hold '/'; rename it"
+                 for what, names in (("output", outputs), ("dimension", dims))
+                 for name in names if "/" in name]
     mistakes += [f"'{name}' is both a parameter and an output; rename one"
                  for name in space.names if name in outputs]
     mistakes += [f"'{dim}' is both a dimension of output '{name}' and a parameter or output; "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from surrogate.errors import StudyError, nearest
 from surrogate.identity import Recipe
 from surrogate.plugins import SolverFactory
 from surrogate.reading.notes import Reading
-from surrogate.solver import Input, Solver
+from surrogate.solver import Input, Output, Solver
 from surrogate.space import Parameter, Space
 from surrogate.studyfile import ParameterPart, SolverPart
 
@@ -48,7 +49,14 @@ def _built(recipe: Recipe, reading: Reading, path: tuple[str, ...]) -> Solver | 
     with reading.noting(*path, "options"):
         solver = plugins.call(f"solver '{recipe.name}' cannot be built", lambda: recipe.solver)
         if isinstance(solver, Solver):
-            return solver
+            described = (("inputs", solver.inputs, Input), ("outputs", solver.outputs, Output))
+            mistakes = [f"'{recipe.name}' is not a solver: its {what} must map names to "
+                        f"surrogate.solver.{kind.__name__}" for what, given, kind in described
+                        if not isinstance(given, Mapping)
+                        or not all(isinstance(one, kind) for one in given.values())]
+            for sentence in mistakes:
+                reading.wrong(sentence, *path, "name")
+            return None if mistakes else solver
         lacking = [name for name in ("inputs", "outputs", "version") if not hasattr(solver, name)]
         reading.wrong(f"'{recipe.name}' is not a solver: it has no "
                       f"{', '.join(lacking) or '__call__'}", *path, "name")

@@ -149,6 +149,26 @@ def test_a_design_of_a_stranger_that_goes_wrong_is_a_mistake_of_the_study(name, 
     assert unbuildable.startswith("surrogates.unbuildable") and "no licence" in unbuildable
 
 
+class Sketch:
+    """Looks like a solver and says nothing that a study could use."""
+
+    version = "1"
+    inputs = {"X1": (-1, 1)}
+    outputs = ["y"]
+
+    def __call__(self, X1):
+        return {"y": X1}
+
+
+def test_a_solver_that_describes_itself_in_other_words_is_a_mistake_of_the_study():
+    with pytest.raises(StudyError) as caught:
+        Study.from_mapping({"study": "strange", "solver": f"{__name__}:Sketch",
+                            "parameters": {"X1": [-1, 1]}, "designs": {"train": "sobol"}})
+    assert [s.partition("its ")[2] for s in caught.value.mistakes if "not a solver" in s] == [
+        "inputs must map names to surrogate.solver.Input",
+        "outputs must map names to surrogate.solver.Output"]
+
+
 def test_options_are_checked_against_the_signature():
     """Names and annotated types of options; `given` ones are not the user's."""
     def method(space, *, runs: int, seed=None):

@@ -257,6 +257,10 @@ def test_names_that_stand_for_two_things_are_mistakes():
     assert len(mistakes) == 6
     assert rundata.name_mistakes(SPACE, Misbehaving.outputs) == []
 
+    slashes = {"a/b": Output(dims=("r/z",), coordinates={"r/z": np.arange(2)})}
+    assert [m.partition(":")[0] for m in rundata.name_mistakes(SPACE, slashes)] == [
+        "output 'a/b'", "dimension 'r/z'"]
+
     class Clashing(Misbehaving):
         outputs = {"message": Output()}
 
