@@ -16,8 +16,12 @@ from surrogate.errors import DesignError
 from surrogate.space import Parameter, Space
 
 MODELS = ("linear", "interactions", "quadratic")
-#: Singular starts are lifted by this much of the identity (Meyer and Nachtsheim 1995, 3.2).
-RIDGE = 1e-8
+#: Singular starts are lifted by this much of the identity (Meyer and Nachtsheim 1995, 3.2);
+#: by less, rounding of their gains would exceed `TIE`.
+RIDGE = 1e-4
+#: Gains that differ by less than this share are equal: symmetric designs tie but for rounding,
+#: and the first of them must be taken for the same seed to give the same runs on every processor.
+TIE = 1e-5
 #: Passes over all coordinates, after which a start is taken as converged.
 PASSES = 60
 
@@ -39,7 +43,8 @@ def d_optimal(space: Space, *, runs: int, model: str = "linear", starts: int = 2
                           f"in {space.size} parameters; give at least {terms.size}")
     rng = np.random.default_rng(seed)
     found = [_search(terms, runs, rng) for _ in range(starts)]
-    return max(found, key=lambda design: log_determinant(terms.matrix(design)))
+    logs = np.array([log_determinant(terms.matrix(design)) for design in found])
+    return found[int(np.argmax(logs >= logs.max() - TIE))]
 
 
 class Model:
@@ -108,7 +113,7 @@ def _improve(model: Model, design: np.ndarray, matrix: np.ndarray, run: int) -> 
         across = new @ inverse
         gains = ((1.0 + (across * new).sum(axis=1)) * (1.0 - matrix[run] @ inverse @ matrix[run])
                  + (across @ matrix[run]) ** 2)
-        best = int(np.argmax(gains))
+        best = int(np.argmax(gains >= gains.max() * (1.0 - TIE)))
         if gains[best] <= 1.0 + 1e-6:
             return changes > 0
         design[run], matrix[run] = rows[best], new[best]
