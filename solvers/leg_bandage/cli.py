@@ -70,10 +70,11 @@ def fit_scan_verb(
         modes: Annotated[int, typer.Option(min=1, max=10, help="Of the basis.")] = 4,
         html: Html = None, as_json: AsJson = False) -> None:
     """Fit the scan of a leg: length, shape coordinates, error, landmarks."""
+    _reachable(html)
     fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends,
                       **_learnt(cohort, modes))
     if html is not None:
-        _write(html, scan_page(fitted))
+        html.write_text(scan_page(fitted), encoding="utf-8")
     if as_json:
         print(json.dumps(figures(fitted), indent=1))
     else:
@@ -104,6 +105,7 @@ def predict_verb(
         length: Length = None, ends: Ends = False, html: Html = None,
         as_json: AsJson = False) -> None:
     """Predict the pressure under a bandage on the leg of a scan, with its interval."""
+    _reachable(html)
     worn = wear(bandage, tension, stretch, mu_skin)
     if mesh is not None and not solve:
         raise WearError(f"--mesh {mesh} is that of the model which --solve runs; add --solve")
@@ -112,7 +114,7 @@ def predict_verb(
         fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends)
     told = predict_pressure(fitted, worn, reduced, (mesh or "coarse") if solve else None)
     if html is not None:
-        _write(html, person_page(told))
+        html.write_text(person_page(told), encoding="utf-8")
     if as_json:
         print(json.dumps(summary.figures(told), indent=1))
     else:
@@ -132,14 +134,14 @@ def build_cohort_verb(
         length: Length = None, ends: Ends = False, html: Html = None,
         as_json: AsJson = False) -> None:
     """Learn a shape basis from a folder of scans; use it with fit-scan --cohort."""
+    out = out.with_suffix(".npz")
+    _reachable(out, html)
     grown = build_cohort(folder, progress=lambda name: print(name, file=sys.stderr), side=side,
                          unit=unit, up=up, front=front, length=length, ends=ends)
-    out = out.with_suffix(".npz")
-    _reachable(out)
     with out.open("wb") as stream:
         write_cohort(stream, grown.cohort)
     if html is not None:
-        _write(html, cohort_page(grown, folder))
+        html.write_text(cohort_page(grown, folder), encoding="utf-8")
     if as_json:
         print(json.dumps(_grown_figures(grown, out), indent=1))
     else:
@@ -233,15 +235,12 @@ def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
     return made
 
 
-def _write(path: Path, html: str) -> None:
-    _reachable(path)
-    path.write_text(html, encoding="utf-8")
-
-
-def _reachable(path: Path) -> None:
-    if not path.parent.is_dir() or path.is_dir():
-        raise ScanError(f"{path}: cannot be written; the folder {path.parent} must be there and "
-                        "the name be that of a file")
+def _reachable(*paths: Path | None) -> None:
+    """Raise ScanError for files that cannot be written, before anything takes its time."""
+    for path in paths:
+        if path is not None and (not path.parent.is_dir() or path.is_dir()):
+            raise ScanError(f"{path}: cannot be written; the folder {path.parent} must be there "
+                            "and the name be that of a file")
 
 
 def main() -> None:

@@ -116,11 +116,14 @@ def _one(cohort: Cohort, leg: int) -> Cohort:
 
 def cohort_in(path: str | Path) -> Cohort:
     """The cohort in a file that `leg-bandage build-cohort` wrote; raises ScanError."""
+    if not Path(path).is_file():
+        raise ScanError(f"{path}: there is no such file; make a cohort with `leg-bandage "
+                        "build-cohort FOLDER`")
     try:
         cohort = read_cohort(Path(path))
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile) as error:
-        raise ScanError(f"{path}: is not a cohort ({type(error).__name__}: {error}); make one with "
-                        "`leg-bandage build-cohort FOLDER`") from None
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        raise ScanError(f"{path}: is not a cohort; make one with `leg-bandage build-cohort "
+                        "FOLDER`") from None
     if len(cohort) < LEAST:
         raise ScanError(f"{path}: holds {len(cohort)} legs, a basis needs at least {LEAST}")
     return cohort

@@ -123,8 +123,13 @@ def test_left_out_loss_is_that_of_a_basis_without_the_leg():
 @pytest.mark.parametrize("words, sentence", [
     (("fit-scan", "nowhere.stl"), "there is no such file"),
     (("build-cohort", "nowhere"), "there is no such folder"),
-    (("fit-scan", "SCAN", "--cohort", "nowhere.npz"), "is not a cohort"),
-    (("fit-scan", "SCAN", *KNOWN, "--html", "no/where/page.html"), "cannot be written"),
+    (("fit-scan", "SCAN", "--cohort", "nowhere.npz"), "nowhere.npz: there is no such file"),
+    (("fit-scan", "SCAN", "--cohort", "SCAN"), "is not a cohort; make one"),
+    # Where results go is looked at before anything that takes its time.
+    (("fit-scan", "nowhere.stl", "--html", "no/where/page.html"), "cannot be written"),
+    (("build-cohort", "nowhere", "--html", "no/where/page.html"), "cannot be written"),
+    (("build-cohort", "nowhere", "--out", "no/where/legs.npz"), "cannot be written"),
+    (("predict", "nowhere.stl", "--tension", "0.1", "--html", "no/page.html"), "cannot be written"),
     (("fit-scan",), "Missing argument"),
     (("fit-scan", "SCAN", "--modes", "0"), "Invalid value for '--modes'"),
 ])
