@@ -99,8 +99,8 @@ def read_csv(path: Path, name: str = "") -> Cases:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
-        cure = "; give the path relative to the study file" if name else ""
-        raise StudyError(f"{path} cannot be read ({error.strerror or error}){cure}") from None
+        raise StudyError(f"{path} cannot be read ({error.strerror or error}); "
+                         "a path in a study is relative to the study file") from None
     except UnicodeDecodeError:
         raise StudyError(f"{path} is not a text file in UTF-8; save it as CSV UTF-8") from None
     rows = [(number, [cell.strip() for cell in next(csv.reader([line]))])
@@ -131,7 +131,7 @@ def _check_rows(path: Path, rows: list[tuple[int, list[str]]]) -> None:
 def read_runs(path: Path, name: str) -> Cases:
     """The good runs in a runs dataset as cases."""
     try:
-        runs = rundata.load(path, missing="give the path relative to the study file",
+        runs = rundata.load(path, missing="a path in a study is relative to the study file",
                             damaged="write it again")
     except ResultsError as error:
         raise StudyError(f"cases '{name}': {error}") from None

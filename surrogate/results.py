@@ -129,12 +129,20 @@ def validate(study: Study, folder: Path, cases: Path | None = None) -> tuple[xr.
     table = study.validate(fits, cases, results=folder)
     lost = study.unfitted(runs, fits)
     if not table.sizes["model"]:
-        raise ResultsError("\n".join(["there is no surrogate or model to set beside the cases",
-                                      *lost]))
+        raise ResultsError(_nothing_beside(table, runs, folder, lost))
     table.attrs["notes"] = "\n".join(filter(None, [table.attrs["notes"], *lost]))
     name = "validation" if cases is None else f"validation_{cases.stem}"
     rundata.save(table, folder / f"{name}.nc")
     return table, study.validation_page(runs, table).save(folder / f"{name}.html")
+
+
+def _nothing_beside(table: xr.Dataset, runs: xr.Dataset, folder: Path, lost: list[str]) -> str:
+    """Why nothing stands beside the cases."""
+    if not table["inside"].any():
+        return f"every case lies outside of the parameters' ranges: {table['outside'].values[0]}"
+    if (runs["status"] == "missing").all():
+        return f"{folder} holds no runs of this study; do `surrogate run` first"
+    return "\n".join(["there is no surrogate or model to set beside the cases", *lost])
 
 
 def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:

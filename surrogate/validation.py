@@ -161,15 +161,27 @@ def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]
     """A sentence for each input that the study fixes and the cases have elsewhere."""
     said = []
     for name, one in fixed.items():
-        if name not in cases.columns or isinstance(one.value, str):
+        if name not in cases.columns:
             continue
-        values = cases.numbers(name, one.unit, gaps=True)
-        if not np.allclose(values, one.value, rtol=1e-9, equal_nan=True):
-            ends = dict.fromkeys(f"{end(values):.4g}" for end in (np.nanmin, np.nanmax))
-            said.append(f"the cases have {name} {' to '.join(ends)} {one.unit}".rstrip()
-                        + f"; the study fixes it at {one.value:.4g}, so what it changes counts as "
-                        "error of the surrogates")
+        there, here = _levels(cases, name, one) if isinstance(one.value, str) else \
+            _ends(cases, name, one)
+        if there:
+            said.append(f"the cases have {name} {there}; the study fixes it at {here}, so what it "
+                        "changes counts as error of the surrogates")
     return said
+
+
+def _levels(cases: Cases, name: str, one: Fixed) -> tuple[str, str]:
+    """Levels that the cases have besides the fixed one, "" when there are none, and that one."""
+    return ", ".join(sorted({*cases.words(name)} - {one.value, ""})), one.value
+
+
+def _ends(cases: Cases, name: str, one: Fixed) -> tuple[str, str]:
+    """The range that the cases have, "" when it is the fixed value, and that value."""
+    values = cases.numbers(name, one.unit, gaps=True)
+    ends = dict.fromkeys(f"{end(values):.4g}" for end in (np.nanmin, np.nanmax)) \
+        if not np.allclose(values[np.isfinite(values)], one.value, rtol=1e-9) else ()
+    return f"{' to '.join(ends)} {one.unit}".strip() if ends else "", f"{one.value:.4g}"
 
 
 def _calls(recipe: Recipe, columns, constants, count: int) -> list[dict]:

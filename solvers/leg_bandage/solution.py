@@ -39,7 +39,7 @@ class Tolerances:
     rest: float = 2e-6
     iterations: int = 16
     longest: float = 4.0
-    steps: int = 80
+    steps: int = 160
     viscosity: tuple[float, float] = (1e-6, 0.5)
 
     @classmethod

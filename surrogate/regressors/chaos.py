@@ -150,14 +150,15 @@ def pursue(matrix: np.ndarray, y: np.ndarray, steps: int) -> list[int]:
     """Columns of matrix (n, p) in the order of orthogonal least squares, the first one first.
 
     Squared norms and products with y of all columns, less their parts along those taken,
-    are kept up to date by one matrix-vector product a step, O(n p).
+    are kept up to date by one matrix-vector product a step, O(n p). Of columns that gain the
+    same but for rounding, as aliased terms do, the first one is taken.
     """
     squares, along = (matrix**2).sum(axis=0), y @ matrix
     floor = 1e-10 * squares + 1e-300
     taken, basis = [], np.empty((len(y), steps))
     for k in range(steps):
         gains = np.where(squares > floor, along**2 / np.maximum(squares, floor), -1.0)
-        column = int(gains.argmax()) if k else 0
+        column = int(np.argmax(gains >= (1.0 - 1e-9) * gains.max())) if k else 0
         if gains[column] <= 0.0 and k:
             break
         direction = matrix[:, column].copy()

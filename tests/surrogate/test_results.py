@@ -64,6 +64,20 @@ def test_a_study_without_an_answer_has_a_report(tmp_path):
         results.validate(study, tmp_path, tmp_path / "cases.csv")
 
 
+def test_cases_beside_nothing(tmp_path):
+    """Before any run, and where no case is inside: each has a sentence of its own."""
+    study = without("sensitivity", "screening", surrogates={"linear": "linear"})
+    cases = tmp_path / "cases.v1.csv"
+    cases.write_text("rw,L,flow\n0.1,1400,70\n")
+    with pytest.raises(ResultsError, match="holds no runs of this study; do `surrogate run`"):
+        results.validate(study, tmp_path / "kept", cases)
+    run(study, tmp_path / "kept")
+    assert results.validate(study, tmp_path / "kept", cases)[1].name == "validation_cases.v1.html"
+    cases.write_text("rw,L,flow\n0.3,1400,70\n")
+    with pytest.raises(ResultsError, match="every case lies outside .*: rw 0.3 m"):
+        results.validate(study, tmp_path / "kept", cases)
+
+
 def test_a_damaged_summary_is_made_again(tmp_path):
     study = without("sensitivity", "screening", surrogates={"linear": "linear"})
     before = run(study, tmp_path).summary

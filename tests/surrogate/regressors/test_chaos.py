@@ -5,6 +5,7 @@ import pytest
 from scipy.stats import qmc
 from sklearn.utils.estimator_checks import check_estimator
 
+from surrogate.designs.columns import matrix as two_level
 from surrogate.distributions import distribution, uniform
 from surrogate.errors import FitError
 from surrogate.regressors.chaos import PolynomialChaos, best_count, pursue
@@ -158,3 +159,16 @@ def test_rounding_of_a_constant_is_no_term():
     model = PolynomialChaos().fit(coded, np.full(25, 1.0 / 3.0))
     assert model.indices_ == ((),)
     assert model.sobol_indices().variance == 0.0 and not model.sobol_indices().total.any()
+
+
+def test_rounding_does_not_choose_among_aliased_terms():
+    """Eight runs of resolution III: main effects and products are one column, the first wins."""
+    corners = two_level([1, 2, 4, 3, 5, 6, 7], 3)
+    aliased = [corners[:, [0]] * corners[:, [1]], corners[:, [3]] * corners[:, [4]]]
+    candidates = np.hstack([np.ones((8, 1)), np.sqrt(3.0) * corners, *(3.0 * x for x in aliased)])
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        values, order = rng.standard_normal(8), rng.permutation(8)
+        taken = pursue(candidates, values, 5)
+        assert max(taken) <= 7
+        assert pursue(candidates[order], values[order], 5) == taken
