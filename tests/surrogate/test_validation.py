@@ -99,6 +99,19 @@ def test_another_study_gives_the_cases(tmp_path):
     assert not results.complete(study, folder, workers=1).fresh
 
 
+def test_levels_that_the_study_fixes_are_told(tmp_path):
+    """A choice that the study fixes and the cases vary is as much a difference as a number."""
+    study = Study.from_mapping({
+        "study": "fixed", "solver": "misbehaving:Misbehaving", "parameters": {"x": [0, 2]},
+        "outputs": ["square"], "designs": {"train": {"method": "sobol", "runs": 4}}})
+    path = tmp_path / "cases.csv"
+    for cell, words in (("raise", "the cases have way raise; the study fixes it at well, so"),
+                        ("well", ""), ("", "")):
+        path.write_text(f"x,way,square\n1,{cell},1\n1.5,well,2\n")
+        assert study.validate({}, path).attrs["notes"].startswith(words)
+        assert bool(study.validate({}, path).attrs["notes"]) == bool(words)
+
+
 def test_a_report_before_the_other_study_has_runs(tmp_path):
     """Without runs of the study that gives the cases, the report is made and says so."""
     (tmp_path / "better.yaml").write_text(TEXT.replace("study: checked", "study: better"))
