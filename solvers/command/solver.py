@@ -95,7 +95,8 @@ class Command:
                 raise SolverError(f"{words[0]} cannot be started: {error.strerror}") from error
             if status is None:
                 raise SolverError(_with_last_words(
-                    f"{words[0]} was stopped after {self.timeout:g} s; raise timeout", place))
+                    f"{words[0]} was stopped after {self.timeout:g} s; raise timeout and run with "
+                    "--retry-failed", place))
             if status not in self.options.exit_codes:
                 accepted = ", ".join(map(str, self.options.exit_codes))
                 raise SolverError(_with_last_words(
@@ -149,7 +150,7 @@ class Command:
         file = given.file or process.STDOUT
         said = "what the program printed" if given.file is None else file
         try:
-            text = (place / file).read_text(encoding="utf-8", errors="replace")
+            text = (place / file).read_text(encoding="utf-8-sig", errors="replace")
         except OSError as error:
             raise SolverError(_with_last_words(f"{name}: the program ended well but did not write "
                                                f"{file} ({error.strerror})", place)) from error
