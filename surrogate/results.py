@@ -174,7 +174,7 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
                "comparison": figures_of(table), "sensitivity": figures_of(indices),
                "regression": {name: {output: figures_of(one) for output, one in by.items()}
                               for name, by in regressions.items()},
-               "screening": _plain(screening.summary()) if screening else None,
+               "screening": plain(screening.summary()) if screening else None,
                "validation": figures_of(validation), "not_done": not_done}
     write_text(folder / SUMMARY, json.dumps(summary, indent=1, allow_nan=False))
     return Outcome(folder, summary, _trouble(runs, not_done))
@@ -238,22 +238,23 @@ def _save_portable(fits: Fits, folder: Path) -> None:
 
 
 def figures_of(dataset: xr.Dataset | None) -> dict[str, Any] | None:
-    """A dataset's numbers as JSON data; what is not finite becomes null."""
+    """A dataset's numbers as JSON data."""
     if dataset is None:
         return None
-    return {"attributes": {str(k): _plain(v) for k, v in dataset.attrs.items()},
+    return {"attributes": {str(k): plain(v) for k, v in dataset.attrs.items()},
             **{str(name): {"dimensions": list(map(str, values.dims)),
-                           "values": _plain(values.values)}
+                           "values": plain(values.values)}
                for name, values in {**dataset.coords, **dataset.data_vars}.items()}}
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """JSON data of numbers, arrays, lists and mappings; what is not finite becomes null."""
     if isinstance(value, np.ndarray | np.generic):
-        return _plain(value.tolist())
+        return plain(value.tolist())
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -1,11 +1,13 @@
 """Predictions: which points are understood, and what is said when there is no answer."""
 
+import json
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from sklearn.base import BaseEstimator, RegressorMixin
 
+from surrogate import cli
 from surrogate.errors import FitError, StudyError
 from surrogate.prediction import predict
 from surrogate.study import Study
@@ -77,3 +79,30 @@ def test_no_surrogate_no_answer(done):
         predict(*done, "never", ["rw=0.1", "L=1400"], None)
     (row,) = predict(*done, None, ["rw=0.1", "L=1400"], None).rows
     assert row["outputs"]["flow"]["surrogate"] == "linear"
+
+
+class Blank(Never):
+    """Predicts nothing that is a number."""
+
+    def fit(self, X, y):
+        return self
+
+    def predict(self, X):
+        return np.full(len(X), np.nan)
+
+
+def test_what_is_no_number_is_null_in_json(tmp_path, capsys, monkeypatch):
+    """RFC 8259 has no NaN: scripts in other languages refuse it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "blank.yaml").write_text(
+        "study: blank\nsolver: ishigami\nparameters: {X1: [-1, 1]}\n"
+        "designs: {train: {method: latin_hypercube, runs: 4, seed: 1}}\n"
+        f"surrogates: {{blank: '{__name__}:Blank'}}\n")
+    with ThreadPoolExecutor(1) as executor:
+        Study.from_yaml("blank.yaml").run(executor=executor)
+    monkeypatch.setattr("sys.argv", ["surrogate", "predict", "blank.yaml", "X1=0", "--json"])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert not ended.value.code
+    (row,) = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert row["outputs"]["y"] == {"surrogate": "blank", "value": None, "low": None, "high": None}
