@@ -307,3 +307,18 @@ def test_the_number_of_workers_changes_no_digit(place):
     one, two = (json.loads((place / str(k) / "small/summary.json").read_text()) for k in (1, 2))
     for part in ("sensitivity", "screening"):
         assert one[part] == two[part]
+
+
+def test_ctrl_c_while_the_command_loads_is_no_traceback():
+    """The packages of the command take a second or two to load; impatience then ends with 130."""
+    text = """if True:
+        import sys
+        class Impatient:
+            def find_spec(self, name, *rest):
+                if name == "surrogate.cli":
+                    raise KeyboardInterrupt
+        sys.meta_path.insert(0, Impatient())
+        from surrogate.__main__ import main
+        main()"""
+    ended = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "")
