@@ -106,7 +106,7 @@ class Fit:
         """Lower and upper ends (m, ...) of prediction intervals at coded points (m, d).
 
         Own standard deviation: Student's t with the surrogate's degrees of freedom
-        (polynomials) or the normal law (Gaussian process). Otherwise the conformal
+        (polynomials, our Gaussian process) or the normal law (others). Otherwise the conformal
         quantile of the left-out errors, their ceil(confidence (k + 1))-th smallest of k
         (Vovk 2015, cross-conformal; constant width); when k is too small for that,
         Student's t times their root mean square, times sqrt(1 + 1 / k).

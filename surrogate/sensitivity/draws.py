@@ -19,10 +19,10 @@ posterior draws  estimators with `posterior_draws(size, seed)`, or scikit-learn'
                  (Le Gratiet, Cannamela and Iooss 2014, doi 10.1137/130926869)
 least squares    refits to prediction + s* e, e standard normal and s*^2 = SSE / chi^2(nu):
                  coefficients then follow their Student t distribution exactly (Gelman et
-                 al., Bayesian Data Analysis, section 14.2), and a selection of terms is
-                 repeated as well
+                 al., Bayesian Data Analysis, section 14.2)
 pairs bootstrap  refits to runs drawn with replacement (Storlie, Swiler, Helton and
-                 Sallaberry 2009, doi 10.1016/j.ress.2009.05.007)
+                 Sallaberry 2009, doi 10.1016/j.ress.2009.05.007); a selection of terms is
+                 repeated as well
 """
 
 from __future__ import annotations
