@@ -48,6 +48,12 @@ class Cases:
         """Who each case was measured on, (case,); None when the cases do not tell."""
         return self.columns.get(SUBJECT)
 
+    def by_subject(self, name: str | None) -> Cases:
+        """The same cases with the column `name` for who they were measured on, if it is there."""
+        if name not in self.columns:
+            return self
+        return replace(self, columns={**self.columns, SUBJECT: self.columns[name]})
+
     def numbers(self, name: str, unit: str, gaps: bool = False) -> np.ndarray:
         """A column in `unit`, (case,); `gaps`: an empty cell is NaN.
 

@@ -27,7 +27,7 @@ import xarray as xr
 from surrogate import runs as rundata
 from surrogate import stored as storing
 from surrogate.cases import Cases
-from surrogate.errors import FitError, ResultsError, StudyError
+from surrogate.errors import FitError, ResultsError, StudyError, SurrogateError
 from surrogate.execution import Progress
 from surrogate.files import write_text
 from surrogate.reduction import reduced_text
@@ -149,12 +149,12 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
     fits = study.fit(runs)
     table = study.compare(fits, runs)
     regressions = study.regressions(fits)
-    indices = study.sensitivity(fits, runs, table)
+    indices, unmeasured = _indices(study, fits, runs, table)
     screening = study.screening(fits, table, indices)
     reduced = reduced_text(study, screening) if screening is not None else ""
     cases, trouble = _cases(study, folder)
     validation = study.validate(fits, cases) if cases is not None else None
-    not_done = study.unfitted(runs, fits) + trouble
+    not_done = study.unfitted(runs, fits) + unmeasured + trouble
     for outdated in (folder / SUMMARY, *(folder / f"{name}.nc" for name in DERIVED),
                      folder / "study_reduced.yaml", *(folder / "surrogates").glob("*.json")):
         outdated.unlink(missing_ok=True)
@@ -209,6 +209,15 @@ def _read_summary(folder: Path) -> dict[str, Any]:
         found = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
         return found if isinstance(found, dict) else {}
     return {}
+
+
+def _indices(study: Study, fits: Fits, runs: xr.Dataset, table: xr.Dataset | None) -> tuple[
+        xr.Dataset | None, list[str]]:
+    """Sensitivity indices, or why there are none: the rest of the report stands without them."""
+    try:
+        return study.sensitivity(fits, runs, table), []
+    except SurrogateError as error:
+        return None, [f"no sensitivity indices: {error}"]
 
 
 def _trouble(runs: xr.Dataset, not_done: list[str]) -> str:

@@ -240,8 +240,8 @@ class Study:
         if method is None or table is None:
             return None
         return combine([
-            method.function(fit, self.space, confidence=method.confidence,
-                            **{**self._told(method, table, fit), **method.options})
+            call(f"output '{fit.output}'", method.function, fit, self.space,
+                 confidence=method.confidence, **self._told(method, table, fit) | method.options)
             for fit in self._analysed(fits, table).values()])
 
     def _analysed(self, fits: Fits, table: xr.Dataset) -> dict[str, Fit]:
@@ -304,6 +304,7 @@ class Study:
         elif isinstance(found, xr.Dataset):
             found = from_runs(found, "runs")
         found = found.in_units({**self.recipe.solver.inputs, **self.recipe.solver.outputs})
+        found = found.by_subject(self.validation and self.validation.subject)
         reading.check_cases(found, self.space, self._offered, self._compared)
         return found
 

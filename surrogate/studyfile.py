@@ -157,6 +157,8 @@ class ValidationPart(Part):
 
     cases: str = Field(description="Measurements (.csv), runs (.nc), or another study (.yaml).")
     output: Texts = Field((), description="Default: every scalar output that the cases have.")
+    subject: str | None = Field(None, description="Column that tells who a case was measured on, "
+                                "when one has several; default: the column 'subject', if any.")
     models: dict[Name, SolverPart] = Field({}, description="Other solvers, called on the columns "
                                            "of the cases that they take as inputs.")
 

@@ -48,12 +48,14 @@ class Validation:
     cases      the cases, or None when they are the runs of `reference`
     reference  another study whose runs are the cases
     outputs    which outputs are compared; empty for all that the cases have
+    subject    the column that tells who a case was measured on; None for `subject`, if any
     models     other solvers, by name
     """
 
     cases: Cases | None = None
     reference: Any = None
     outputs: tuple[str, ...] = ()
+    subject: str | None = None
     models: Mapping[str, Recipe] = field(default_factory=dict)
 
 

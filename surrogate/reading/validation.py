@@ -57,7 +57,10 @@ def validation_of(reading: Reading, solver: Solver, space: Space | None, kept: I
             chosen = outputs_in(columns, offered, outputs)
             _check_models(reading, models, columns, chosen,
                           fixed_inputs(solver, space, constants))
-    return Validation(cases, reference, outputs, models)
+        if part.subject is not None and part.subject not in columns.columns:
+            reading.wrong(f"the cases have no column '{part.subject}'; "
+                          f"{nearest(part.subject, columns.columns)}", "validation", "subject")
+    return Validation(cases, reference, outputs, part.subject, models)
 
 
 def header_of(reference: Any, name: str) -> Cases:

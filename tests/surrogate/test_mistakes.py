@@ -96,6 +96,8 @@ MISTAKES = {
                          "must be a CSV file .* or a study"),
     "validation key": ("outputs:", "validation: {casses: x, cases: CASES.csv}\noutputs:",
                        "8:14", "did you mean 'cases'"),
+    "no such subject": ("outputs:", "validation: {subject: lag, cases: CASES.csv}\noutputs:",
+                        "8:23", "no column 'lag'"),
     "validated output": ("outputs:", "validation: {output: flwo, cases: CASES.csv}\noutputs:",
                          "8:22", "did you mean 'flow'"),
     "unknown model": ("outputs:", "validation: {models: {a: laplac}, cases: CASES.csv}\noutputs:",

@@ -1,6 +1,7 @@
 """What lies in a study's folder: that which the study asks for now, and nothing of before."""
 
 import os
+import re
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -28,6 +29,11 @@ class Hopeless:
 
     def __call__(self, a, b):
         raise SolverError("buckles")
+
+
+def broken(fit, space, *, confidence=0.95):
+    """A sensitivity method that fails."""
+    raise RuntimeError("not today")
 
 
 def run(study, folder):
@@ -76,6 +82,16 @@ def test_cases_beside_nothing(tmp_path):
     cases.write_text("rw,L,flow\n0.3,1400,70\n")
     with pytest.raises(ResultsError, match="every case lies outside .*: rw 0.3 m"):
         results.validate(study, tmp_path / "kept", cases)
+
+
+@pytest.mark.parametrize("method, words", [
+    ("dgsm", "surrogate forest has no derivative"), ("test_results:broken", "'flow': .*not today")])
+def test_a_report_without_the_indices_that_could_not_be_had(tmp_path, method, words):
+    """A method that does not suit the surrogate, or fails, costs its own section only."""
+    study = without("screening", sensitivity={"method": method, "surrogate": "forest"})
+    done = run(study, tmp_path)
+    assert re.search(f"no sensitivity indices: .*{words}", done.trouble)
+    assert done.report.is_file() and not (tmp_path / "sensitivity.nc").exists()
 
 
 def test_a_damaged_summary_is_made_again(tmp_path):

@@ -178,10 +178,13 @@ class Fragile:
     assert "poor: no answer for case north (too round)" in table.attrs["notes"]
 
 
-def test_several_cases_a_subject(tmp_path):
-    """A column `subject`: both parts of the scatter, as `agreement` has them, and said so."""
-    wells = "subject,rw,Hu,L,flow\nA,0.1,1000,1200,80\nA,0.1,1000,1300,70\nB,0.1,1050,1400,90\n"
-    study = write(tmp_path, wells=wells)
+@pytest.mark.parametrize("column, said", [("subject", ""), ("who", "subject: who, ")])
+def test_several_cases_a_subject(tmp_path, column, said):
+    """A column that tells the subject: both parts of the scatter, as `agreement` has them."""
+    wells = (f"{column},rw,Hu,L,flow\nA,0.1,1000,1200,80\nA,0.1,1000,1300,70\n"
+             "B,0.1,1050,1400,90\n")
+    study = write(tmp_path, text=TEXT.replace("validation: {", f"validation: {{{said}"),
+                  wells=wells)
     fitted(study, tmp_path)
     folder = tmp_path / "results/checked"
     table, page = results.validate(study, folder)
