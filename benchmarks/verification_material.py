@@ -115,10 +115,10 @@ def timings() -> None:
         begin = perf_counter()
         system = System([tissue], tissue.n_dofs, leg.fixed_dofs(), engine)
         setup = perf_counter() - begin
-        packed = system.linearise(np.zeros(tissue.n_dofs))[1]()
+        packed = system.pack(system.linearise(np.zeros(tissue.n_dofs))[1]())
         direct = system.factors.direct
         direct.factorise(packed)
-        whole = shortest(lambda s=system: s.linearise(np.zeros(tissue.n_dofs))[1]())
+        whole = shortest(lambda s=system: s.pack(s.linearise(np.zeros(tissue.n_dofs))[1]()))
         again = shortest(lambda d=direct, p=packed: d.factorise(p))
         ones = np.ones(len(system.free))
         solve = shortest(lambda d=direct, b=ones: d.solve(b))

@@ -61,25 +61,28 @@ class System:
         self.factors = LaggedSolver(solver, pattern)
 
     def linearise(self, u: np.ndarray) -> tuple[np.ndarray, Tangent]:
-        """Sum of the parts' residuals (n_dofs,), and what sums their tangents, kept packed.
+        """Sum of the parts' residuals (n_dofs,), and their tangents' values, one after another.
 
-        Give what the second one returns to `solve` or to `matrix`. The digits do not depend
-        on the number of threads.
+        Give the values to `pack`. The digits do not depend on the number of threads. What is
+        returned does not hold this system, which may go before it.
         """
         with DENSE.limit(limits=1):
             answers = [part.linearise(u) for part in self.parts]
 
-        def packed():
+        def tangent():
             with DENSE.limit(limits=1):
-                values = np.concatenate([tangent() for _, tangent in answers])
-            return np.bincount(self._slots, values, minlength=self.factors.pattern.nnz + 1)[:-1]
+                return np.concatenate([values() for _, values in answers])
 
-        return sum(residual for residual, _ in answers), packed
+        return sum(residual for residual, _ in answers), tangent
+
+    def pack(self, values: np.ndarray) -> np.ndarray:
+        """Values of the tangent of `linearise` summed into the stored entries, for `solve`."""
+        return np.bincount(self._slots, values, minlength=self.factors.pattern.nnz + 1)[:-1]
 
     def solve(self, packed: np.ndarray, rhs: np.ndarray) -> np.ndarray:
         """Solution (n_dofs,) of tangent x = rhs with x = 0 on the fixed dofs.
 
-        packed is the tangent of `linearise`. Raises SolverError when it is singular.
+        packed is a tangent from `pack`. Raises SolverError when it is singular.
         """
         answer = np.zeros(self.n_dofs)
         answer[self.free] = self.factors.solve(packed, rhs[self.free])

@@ -144,7 +144,7 @@ class Problem:
         for _ in range(3):
             start = time.perf_counter()
             try:
-                packed = tangent()
+                packed = self.system.pack(tangent())
                 self.cost.add("assemble", start)
                 return packed
             except PatternLeft:
