@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -10,6 +11,8 @@ import pint
 
 from surrogate.errors import StudyError
 
+NUMBER_AND_UNIT = re.compile(
+    r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:(?:\s+|(?=[^\W\d_]|[°%]))(\S.*))?")
 _REGISTRY = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
@@ -78,15 +81,16 @@ def seconds(text: str | float) -> float:
 
 
 def quantity(text: str, target: str) -> float:
-    """Number in `target` units of a text such as '98', '98 N/m' or '1e-3'.
+    """Number in `target` units of a text such as '98', '98 N/m', '98N/m' or '1e-3'.
 
     A bare number is taken to be in `target` units already.
     """
-    head, _, unit = str(text).strip().partition(" ")
+    found = NUMBER_AND_UNIT.fullmatch(str(text).strip())
+    head, unit = found.groups() if found else (text, None)
     try:
         value = float(head)
     except ValueError:
         raise StudyError(f"'{text}' is not a number; write 0.098 or '98 N/m'") from None
     if not math.isfinite(value):
         raise StudyError(f"'{text}' is not a finite number")
-    return conversion(unit.strip() or target, target).place(value)
+    return conversion(unit or target, target).place(value)

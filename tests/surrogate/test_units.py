@@ -44,5 +44,12 @@ def test_quantities_carry_their_unit():
     """`98 N/m` is 0.098 N/mm; a bare number is in the target unit."""
     assert units.quantity("98 N/m", "N/mm") == pytest.approx(0.098)
     assert units.quantity("0.098", "N/mm") == 0.098
+    assert units.quantity("20cm", "mm") == units.quantity("2e2mm", "mm") == 200.0
+    assert units.quantity("-1.5e-3", "mm") == -0.0015
+    assert units.quantity("5 1/m", "1/mm") == pytest.approx(0.005)
+    assert units.quantity("25 °C", "K") == pytest.approx(298.15)
+    for wrong in ("1,5", "1.2.3", "--1"):
+        with pytest.raises(StudyError, match="is not a number"):
+            units.quantity(wrong, "mm")
     with pytest.raises(StudyError, match="not a number"):
         units.quantity("much", "mm")
