@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from skfem import Basis, ElementHex1, MeshHex
 
-from solvers.leg_bandage.linear import Tangent
+from solvers.leg_bandage.algebra.system import Tangent
 from surrogate.errors import SolverError
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
-from solvers.leg_bandage.linear import Part
+from solvers.leg_bandage.algebra.system import Part
 from surrogate.errors import SolverError
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
+from solvers.leg_bandage.algebra.direct import DirectSolver
+from solvers.leg_bandage.algebra.reused_factors import SHARE, LaggedSolver, gmres
+from solvers.leg_bandage.algebra.system import System, compress
 from solvers.leg_bandage.bandages import NOMINAL
-from solvers.leg_bandage.direct import DirectSolver
-from solvers.leg_bandage.lagged import SHARE, LaggedSolver, gmres
 from solvers.leg_bandage.leg_mesh import leg_mesh, tube
-from solvers.leg_bandage.linear import System, compress
 from solvers.leg_bandage.shell import Shell
 from solvers.leg_bandage.surfaces import Strip
 from solvers.leg_bandage.tissue import Tissue
