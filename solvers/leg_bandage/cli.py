@@ -18,7 +18,7 @@ from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
 
-from solvers.leg_bandage.bandages import BANDAGES
+from solvers.leg_bandage.bandage.products import BANDAGES
 from solvers.leg_bandage.basis import fit_basis, shipped_basis
 from solvers.leg_bandage.cohort import write_cohort
 from solvers.leg_bandage.person import (

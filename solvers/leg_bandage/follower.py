@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from solvers.leg_bandage.algebra.system import Tangent
+from solvers.leg_bandage.bandage.shell import Shell
 from solvers.leg_bandage.leg_mesh import LegMesh
-from solvers.leg_bandage.shell import Shell
 
 
 class FollowerPressure:

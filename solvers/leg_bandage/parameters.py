@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from solvers.leg_bandage.bandages import ASSUMED, NOMINAL, STRETCH
+from solvers.leg_bandage.bandage.products import ASSUMED, NOMINAL, STRETCH
 from solvers.leg_bandage.basis import Basis, fit_basis, shipped_basis
 from solvers.leg_bandage.cohort import Cohort, load_cohort, read_cohort
 from surrogate.errors import SolverError, StudyError, nearest

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers.laplace import laplace_b1
-from solvers.leg_bandage.bandages import BANDAGES, STRETCH, bandage
+from solvers.leg_bandage.bandage.products import BANDAGES, STRETCH, bandage
 from solvers.leg_bandage.basis import reconstruction_errors
 from solvers.leg_bandage.cohort import Cohort, load_cohort
 from solvers.leg_bandage.leg import Leg

@@ -15,7 +15,14 @@ from pathlib import Path
 import numpy as np
 
 from solvers.leg_bandage.algebra.direct import ENGINES
-from solvers.leg_bandage.bandages import CURVED, NOMINAL, STRETCH, Bandage, at_tension, bandage
+from solvers.leg_bandage.bandage.products import (
+    CURVED,
+    NOMINAL,
+    STRETCH,
+    Bandage,
+    at_tension,
+    bandage,
+)
 from solvers.leg_bandage.bone import bone_of
 from solvers.leg_bandage.feasibility import check_leg
 from solvers.leg_bandage.landmarks import RULES

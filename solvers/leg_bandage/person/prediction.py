@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.bandages import STRETCH
+from solvers.leg_bandage.bandage.products import STRETCH
 from solvers.leg_bandage.leg import Leg
 from solvers.leg_bandage.person.interval import Part, joined, parts_of
 from solvers.leg_bandage.person.reduced import Reduced

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from solvers.leg_bandage.bandages import STRETCH
+from solvers.leg_bandage.bandage.products import STRETCH
 from solvers.leg_bandage.person.interval import CONFIDENCE
 from solvers.leg_bandage.person.prediction import Prediction
 from solvers.leg_bandage.scan.summary import figures as scan_figures

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.bandages import BANDAGES, STRETCH, bandage
+from solvers.leg_bandage.bandage.products import BANDAGES, STRETCH, bandage
 from solvers.leg_bandage.parameters import INPUTS
 from surrogate.errors import SurrogateError, nearest
 

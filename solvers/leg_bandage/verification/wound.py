@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.leg_bandage.bandages import NOMINAL, at_tension
-from solvers.leg_bandage.fabric import Fabric
+from solvers.leg_bandage.bandage.fabric import Fabric
+from solvers.leg_bandage.bandage.products import NOMINAL, at_tension
 from solvers.leg_bandage.friction import ContactLaw
 from solvers.leg_bandage.leg_mesh import leg_mesh, tube
 from solvers.leg_bandage.outputs import MMHG

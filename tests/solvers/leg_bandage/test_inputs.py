@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.bandages import BANDAGES, CURVED, bandage
+from solvers.leg_bandage.bandage.products import BANDAGES, CURVED, bandage
 from solvers.leg_bandage.basis import fit_basis
 from solvers.leg_bandage.cohort import load_cohort, write_cohort
 from solvers.leg_bandage.landmarks import MEDIAL, Disc, b1_height

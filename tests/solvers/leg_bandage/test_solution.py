@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.bandages import at_tension
+from solvers.leg_bandage.bandage.products import at_tension
 from solvers.leg_bandage.friction import ContactLaw
 from solvers.leg_bandage.solution import NotConverged, Problem, Tolerances, creep
 from solvers.leg_bandage.surfaces import Mandrel

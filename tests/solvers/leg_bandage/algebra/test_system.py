@@ -9,9 +9,9 @@ from threadpoolctl import threadpool_limits
 from solvers.leg_bandage.algebra.direct import DirectSolver
 from solvers.leg_bandage.algebra.reused_factors import SHARE, LaggedSolver, gmres
 from solvers.leg_bandage.algebra.system import System, compress
-from solvers.leg_bandage.bandages import NOMINAL
+from solvers.leg_bandage.bandage.products import NOMINAL
+from solvers.leg_bandage.bandage.shell import Shell
 from solvers.leg_bandage.leg_mesh import leg_mesh, tube
-from solvers.leg_bandage.shell import Shell
 from solvers.leg_bandage.surfaces import Strip
 from solvers.leg_bandage.tissue import Tissue
 from solvers.leg_bandage.verification.plates import laid

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from solvers.leg_bandage.fabric import Fabric
+from solvers.leg_bandage.bandage.fabric import Fabric
 from surrogate.errors import SolverError, nearest
 
 STRETCH = 1.3

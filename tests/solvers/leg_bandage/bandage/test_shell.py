@@ -8,10 +8,10 @@ from scipy.optimize import brentq
 from scipy.sparse import coo_array
 from scipy.special import ellipeinc, ellipkinc
 
-from solvers.leg_bandage.bandages import NOMINAL, at_tension
-from solvers.leg_bandage.fabric import Fabric
+from solvers.leg_bandage.bandage.fabric import Fabric
+from solvers.leg_bandage.bandage.products import NOMINAL, at_tension
+from solvers.leg_bandage.bandage.shell import Shell
 from solvers.leg_bandage.follower import bandage_pressure
-from solvers.leg_bandage.shell import Shell
 from solvers.leg_bandage.surfaces import Strip
 from solvers.leg_bandage.verification.newton import held, newton
 from solvers.leg_bandage.verification.plates import (
@@ -261,7 +261,7 @@ def test_chunks_do_not_change_the_answer(monkeypatch):
     shell = waved()
     u, _ = noise(shell, 3)
     residual, tangent = shell.linearise(u)
-    monkeypatch.setattr("solvers.leg_bandage.shell.CHUNK", 7)
+    monkeypatch.setattr("solvers.leg_bandage.bandage.shell.CHUNK", 7)
     pieces, pieced = shell.linearise(u)
     np.testing.assert_allclose(pieces, residual, atol=1e-14)
     np.testing.assert_allclose(pieced(), tangent(), atol=1e-14)

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.bandages import BANDAGES, NOMINAL, at_tension, bandage
-from solvers.leg_bandage.fabric import Fabric
+from solvers.leg_bandage.bandage.fabric import Fabric
+from solvers.leg_bandage.bandage.products import BANDAGES, NOMINAL, at_tension, bandage
 from surrogate.errors import SolverError
 
 CURVE = ((1.0, 0.0), (1.1, 0.05), (1.3, 0.098), (1.6, 0.13), (1.7, 0.2))
