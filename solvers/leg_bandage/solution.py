@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from solvers.leg_bandage.algebra.system import System
-from solvers.leg_bandage.candidates import PatternLeft
-from solvers.leg_bandage.contact import Contact
+from solvers.leg_bandage.contact.contact import Contact
+from solvers.leg_bandage.contact.sparsity import PatternLeft
 from surrogate.errors import SolverError
 
 

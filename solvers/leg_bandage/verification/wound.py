@@ -14,7 +14,7 @@ import numpy as np
 
 from solvers.leg_bandage.bandage.fabric import Fabric
 from solvers.leg_bandage.bandage.products import NOMINAL, at_tension
-from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.contact.friction import ContactLaw
 from solvers.leg_bandage.leg_mesh import leg_mesh, tube
 from solvers.leg_bandage.outputs import MMHG
 from solvers.leg_bandage.solution import Tolerances

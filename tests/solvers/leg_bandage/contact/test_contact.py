@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.candidates import PatternLeft
-from solvers.leg_bandage.contact import Contact, Points
-from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.contact.contact import Contact, Points
+from solvers.leg_bandage.contact.friction import ContactLaw
+from solvers.leg_bandage.contact.sparsity import PatternLeft
 from solvers.leg_bandage.projection import project
 from solvers.leg_bandage.surfaces import Mandrel, Plane, Skin, Strip, interpolate_strip
 

@@ -28,8 +28,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from solvers.leg_bandage.algebra.system import Tangent
-from solvers.leg_bandage.candidates import Candidates
-from solvers.leg_bandage.friction import ContactLaw
+from solvers.leg_bandage.contact.friction import ContactLaw
+from solvers.leg_bandage.contact.sparsity import Candidates
 from solvers.leg_bandage.projection import metric, project, solve2
 
 
