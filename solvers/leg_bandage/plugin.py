@@ -24,14 +24,23 @@ from solvers.leg_bandage.bandage.products import (
     bandage,
 )
 from solvers.leg_bandage.bone import bone_of
+from solvers.leg_bandage.equilibrium.loading import solve
+from solvers.leg_bandage.equilibrium.model import (
+    ABOVE,
+    BELOW,
+    MESHES,
+    Ends,
+    Material,
+    Model,
+    build,
+    mesh_leg,
+)
+from solvers.leg_bandage.equilibrium.progressive import wrap_and_solve
 from solvers.leg_bandage.feasibility import check_leg
 from solvers.leg_bandage.landmarks import RULES
 from solvers.leg_bandage.leg import Leg
-from solvers.leg_bandage.loading import solve
-from solvers.leg_bandage.model import ABOVE, BELOW, MESHES, Ends, Material, Model, build, mesh_leg
 from solvers.leg_bandage.outputs import OUTPUTS, answers
 from solvers.leg_bandage.parameters import INPUTS, SHAPE, complete, shapes_in
-from solvers.leg_bandage.progressive import wrap_and_solve
 from solvers.leg_bandage.spiral import Wrap, wrap_for
 from solvers.leg_bandage.wrapping import element_rows, lay
 from surrogate.errors import SolverError, StudyError, nearest

@@ -14,9 +14,9 @@ from solvers.leg_bandage.bandage.fabric import Fabric
 from solvers.leg_bandage.bandage.shell import Shell
 from solvers.leg_bandage.contact.contact import Contact, Points
 from solvers.leg_bandage.contact.friction import ContactLaw
+from solvers.leg_bandage.equilibrium.model import skin_parameters
+from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscosity, creep
 from solvers.leg_bandage.leg_mesh import LegMesh
-from solvers.leg_bandage.model import skin_parameters
-from solvers.leg_bandage.solution import Problem, Tolerances, Viscosity, creep
 from solvers.leg_bandage.spiral import Wrap
 from solvers.leg_bandage.surfaces import Mandrel, Skin, Strip
 from solvers.leg_bandage.tissue import Tissue

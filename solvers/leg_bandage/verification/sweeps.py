@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 import solvers.leg_bandage
-from solvers.leg_bandage.model import MESHES, Mesh
+from solvers.leg_bandage.equilibrium.model import MESHES, Mesh
 from solvers.leg_bandage.plugin import LegBandage
 from solvers.leg_bandage.verification.legs import validation_leg
 from surrogate.errors import SolverError

@@ -9,11 +9,12 @@ import meshio
 import numpy as np
 import pytest
 
-from solvers.leg_bandage import export, loading, model, picture
+from solvers.leg_bandage import export, picture
+from solvers.leg_bandage.equilibrium import loading, model
+from solvers.leg_bandage.equilibrium.solution import NotConverged
 from solvers.leg_bandage.landmarks import Disc
 from solvers.leg_bandage.outputs import MMHG, imprint, on_disc
 from solvers.leg_bandage.plugin import INPUTS, LegBandage
-from solvers.leg_bandage.solution import NotConverged
 from surrogate.errors import SolverError, StudyError
 
 
@@ -116,7 +117,7 @@ def test_a_run_that_does_not_converge_says_so(result, monkeypatch):
     def stuck(self, u, force=None):
         raise NotConverged(1.5, result.model.strip.offset * 3 + 1)
 
-    monkeypatch.setattr("solvers.leg_bandage.solution.Problem.newton", stuck)
+    monkeypatch.setattr("solvers.leg_bandage.equilibrium.solution.Problem.newton", stuck)
     with pytest.raises(SolverError, match=r"no equilibrium: .* 1\.5e\+00 N unbalanced \(y of"):
         loading.solve(result.model)
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.leg_bandage.model import Model
-from solvers.leg_bandage.solution import NotConverged, creep
+from solvers.leg_bandage.equilibrium.model import Model
+from solvers.leg_bandage.equilibrium.solution import NotConverged, creep
 from surrogate.errors import SolverError
 
 FIRST_VISCOSITY = 2e-3
