@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.basis import shipped_basis
-from solvers.leg_bandage.cohort import load_cohort
+from solvers.leg_bandage.geometry.basis import shipped_basis
+from solvers.leg_bandage.geometry.cohort import load_cohort
 from surrogate import Study
 from surrogate.sensitivity.one_at_a_time import main_effects
 

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.basis import shipped_basis
-from solvers.leg_bandage.cohort import load_cohort
+from solvers.leg_bandage.geometry.basis import shipped_basis
+from solvers.leg_bandage.geometry.cohort import load_cohort
 from solvers.leg_bandage.person import Reduced, predict_pressure, wear
 from solvers.leg_bandage.person.shape import both_ways
 from surrogate import Study

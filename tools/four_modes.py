@@ -11,7 +11,7 @@ import argparse
 import json
 from pathlib import Path
 
-from solvers.leg_bandage.cohort import load_cohort
+from solvers.leg_bandage.geometry.cohort import load_cohort
 from solvers.leg_bandage.person.shape import both_ways
 from solvers.leg_bandage.plugin import LegBandage
 from surrogate.errors import SolverError

@@ -19,8 +19,8 @@ from rich.table import Table
 from threadpoolctl import threadpool_limits
 
 from solvers.leg_bandage.bandage.products import BANDAGES
-from solvers.leg_bandage.basis import fit_basis, shipped_basis
-from solvers.leg_bandage.cohort import write_cohort
+from solvers.leg_bandage.geometry.basis import fit_basis, shipped_basis
+from solvers.leg_bandage.geometry.cohort import write_cohort
 from solvers.leg_bandage.person import (
     Prediction,
     Reduced,

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.leg_bandage.equilibrium.model import Model, midpoints, skin_parameters
-from solvers.leg_bandage.landmarks import MEDIAL, RULES, Disc, b1_height, extreme_girths
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.landmarks import MEDIAL, RULES, Disc, b1_height, extreme_girths
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.projection import project, solve2
 from solvers.leg_bandage.surfaces import Skin, Strip, interpolate_strip
 from surrogate.errors import SolverError

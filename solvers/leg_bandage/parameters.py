@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from solvers.leg_bandage.bandage.products import ASSUMED, NOMINAL, STRETCH
-from solvers.leg_bandage.basis import Basis, fit_basis, shipped_basis
-from solvers.leg_bandage.cohort import Cohort, load_cohort, read_cohort
+from solvers.leg_bandage.geometry.basis import Basis, fit_basis, shipped_basis
+from solvers.leg_bandage.geometry.cohort import Cohort, load_cohort, read_cohort
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Input
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from solvers.leg_bandage.equilibrium.model import midpoints
-from solvers.leg_bandage.landmarks import MEDIAL, Disc
+from solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc
 from solvers.leg_bandage.outputs import imprint
 from solvers.leg_bandage.plugin import Result
 from surrogate.errors import SolverError

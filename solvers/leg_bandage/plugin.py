@@ -23,7 +23,6 @@ from solvers.leg_bandage.bandage.products import (
     at_tension,
     bandage,
 )
-from solvers.leg_bandage.bone import bone_of
 from solvers.leg_bandage.equilibrium.loading import solve
 from solvers.leg_bandage.equilibrium.model import (
     ABOVE,
@@ -36,9 +35,10 @@ from solvers.leg_bandage.equilibrium.model import (
     mesh_leg,
 )
 from solvers.leg_bandage.equilibrium.progressive import wrap_and_solve
-from solvers.leg_bandage.feasibility import check_leg
-from solvers.leg_bandage.landmarks import RULES
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.bone import bone_of
+from solvers.leg_bandage.geometry.feasibility import check_leg
+from solvers.leg_bandage.geometry.landmarks import RULES
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.outputs import OUTPUTS, answers
 from solvers.leg_bandage.parameters import INPUTS, SHAPE, complete, shapes_in
 from solvers.leg_bandage.spiral import Wrap, wrap_for

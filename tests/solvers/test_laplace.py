@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from solvers.laplace import MMHG, Laplace, laplace_pressure
-from solvers.leg_bandage.landmarks import sensor
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.landmarks import sensor
+from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError, StudyError
 
 NOMINAL = {name: given.nominal for name, given in Laplace().inputs.items()}

@@ -15,7 +15,7 @@ from solvers.leg_bandage.bandage.shell import Shell
 from solvers.leg_bandage.contact.contact import Contact, Points
 from solvers.leg_bandage.contact.friction import ContactLaw
 from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscosity
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.leg_mesh import LegMesh, leg_mesh
 from solvers.leg_bandage.spiral import Wrap
 from solvers.leg_bandage.surfaces import Skin, Strip

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from solvers.leg_bandage.bandage.products import STRETCH
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.person.interval import Part, joined, parts_of
 from solvers.leg_bandage.person.reduced import Reduced
 from solvers.leg_bandage.person.shape import by_laplace_if_it_can, shape_law

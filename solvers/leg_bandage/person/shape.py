@@ -22,9 +22,9 @@ from functools import cache
 import numpy as np
 
 from solvers.laplace import laplace_b1
-from solvers.leg_bandage.basis import shipped_basis
-from solvers.leg_bandage.cohort import DATA, load_cohort
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.basis import shipped_basis
+from solvers.leg_bandage.geometry.cohort import DATA, load_cohort
+from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError
 
 

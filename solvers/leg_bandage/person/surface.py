@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.landmarks import Disc, sensor
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.landmarks import Disc, sensor
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.person.prediction import Prediction, Skin
 from solvers.leg_bandage.scan.drawing import ticks
 from solvers.leg_bandage.scan.page import sensor_rim

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline, make_lsq_spline
 
-from solvers.leg_bandage.cohort import SECTIONS
+from solvers.leg_bandage.geometry.cohort import SECTIONS
 from solvers.leg_bandage.scan.errors import ScanError
 from solvers.leg_bandage.scan.girths import COMPLETE, Zone, complete_levels
 from solvers.leg_bandage.scan.pose import Body

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.basis import Basis, shipped_basis
-from solvers.leg_bandage.cohort import load_cohort
-from solvers.leg_bandage.feasibility import check_leg
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.basis import Basis, shipped_basis
+from solvers.leg_bandage.geometry.cohort import load_cohort
+from solvers.leg_bandage.geometry.feasibility import check_leg
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.scan.cuts import Cuts, find_cuts
 from solvers.leg_bandage.scan.directions import Directions
 from solvers.leg_bandage.scan.errors import ScanError

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from solvers.leg_bandage.basis import Basis, fit_basis, reconstruction_errors
-from solvers.leg_bandage.cohort import Cohort, read_cohort
+from solvers.leg_bandage.geometry.basis import Basis, fit_basis, reconstruction_errors
+from solvers.leg_bandage.geometry.cohort import Cohort, read_cohort
 from solvers.leg_bandage.scan.errors import ScanError
 from solvers.leg_bandage.scan.fitting import FittedScan, fit_scan
 from solvers.leg_bandage.scan.reading import FORMATS

@@ -10,8 +10,8 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from solvers.leg_bandage.landmarks import Disc, sensor
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.landmarks import Disc, sensor
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.scan.drawing import curves, outlines
 from solvers.leg_bandage.scan.fitting import FittedScan
 from solvers.leg_bandage.scan.growing import GrownCohort

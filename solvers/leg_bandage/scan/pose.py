@@ -17,8 +17,8 @@ from dataclasses import astuple, dataclass, field, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from solvers.leg_bandage.basis import INNER, Basis
-from solvers.leg_bandage.cohort import SECTIONS, snapshot
+from solvers.leg_bandage.geometry.basis import INNER, Basis
+from solvers.leg_bandage.geometry.cohort import SECTIONS, snapshot
 from solvers.leg_bandage.scan.directions import Directions
 from solvers.leg_bandage.scan.errors import ScanError
 from solvers.leg_bandage.scan.girths import Zone, profile, zones

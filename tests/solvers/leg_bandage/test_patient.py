@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from solvers.laplace import Laplace, laplace_b1
-from solvers.leg_bandage.basis import reconstruction_errors, shipped_basis
-from solvers.leg_bandage.cohort import load_cohort, write_cohort
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.basis import reconstruction_errors, shipped_basis
+from solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.patient import LegBandagePatient
 from solvers.leg_bandage.plugin import LegBandage
 from surrogate.conformance import check_solver

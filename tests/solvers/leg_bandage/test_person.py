@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 import virtual_scans as virtual
 
-from solvers.leg_bandage.cohort import load_cohort
-from solvers.leg_bandage.landmarks import sensor
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.cohort import load_cohort
+from solvers.leg_bandage.geometry.landmarks import sensor
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.person import (
     Reduced,
     WearError,

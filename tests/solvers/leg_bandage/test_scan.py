@@ -7,10 +7,10 @@ import pytest
 import trimesh
 import virtual_scans as virtual
 
-from solvers.leg_bandage.basis import reconstruction_errors, shipped_basis
-from solvers.leg_bandage.cohort import Cohort, load_cohort
-from solvers.leg_bandage.landmarks import extreme_girths
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.basis import reconstruction_errors, shipped_basis
+from solvers.leg_bandage.geometry.cohort import Cohort, load_cohort
+from solvers.leg_bandage.geometry.landmarks import extreme_girths
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.scan import fit_scan
 from solvers.leg_bandage.scan.cuts import TOP
 

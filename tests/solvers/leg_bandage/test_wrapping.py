@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.basis import shipped_basis
-from solvers.leg_bandage.bone import bone_of
 from solvers.leg_bandage.equilibrium.model import MESHES, mesh_leg
 from solvers.leg_bandage.equilibrium.progressive import deformed_skin
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.basis import shipped_basis
+from solvers.leg_bandage.geometry.bone import bone_of
+from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.spiral import Wrap, wrap_for
 from solvers.leg_bandage.surfaces import Mandrel
 from solvers.leg_bandage.verification.mandrel import around

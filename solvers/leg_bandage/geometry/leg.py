@@ -18,9 +18,9 @@ from functools import cache, cached_property
 import numpy as np
 from scipy.interpolate import BSpline
 
-from solvers.leg_bandage import section
-from solvers.leg_bandage.basis import Basis, shipped_basis
-from solvers.leg_bandage.cohort import sections_of
+from solvers.leg_bandage.geometry import section
+from solvers.leg_bandage.geometry.basis import Basis, shipped_basis
+from solvers.leg_bandage.geometry.cohort import sections_of
 from surrogate.errors import SolverError
 
 DEGREE, SPANS = 5, 12

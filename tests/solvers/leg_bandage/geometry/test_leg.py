@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from solvers.leg_bandage import section
-from solvers.leg_bandage.basis import shipped_basis
-from solvers.leg_bandage.cohort import load_cohort
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry import section
+from solvers.leg_bandage.geometry.basis import shipped_basis
+from solvers.leg_bandage.geometry.cohort import load_cohort
+from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError
 
 THETA = np.linspace(0, 2 * np.pi, 60, endpoint=False)[:, None]

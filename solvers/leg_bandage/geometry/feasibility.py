@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.leg_bandage import section
-from solvers.leg_bandage.bone import envelope
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry import section
+from solvers.leg_bandage.geometry.bone import envelope
+from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError
 
 LEAST_RADIUS = 12.0

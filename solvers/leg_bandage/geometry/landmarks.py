@@ -20,7 +20,7 @@ from functools import cache
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from solvers.leg_bandage.leg import Leg
+from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError, nearest
 
 MEDIAL, POSTERIOR = np.pi, 1.5 * np.pi

@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.basis import INNER, fit_basis, reconstruction_errors, shipped_basis
-from solvers.leg_bandage.cohort import load_cohort
+from solvers.leg_bandage.geometry.basis import (
+    INNER,
+    fit_basis,
+    reconstruction_errors,
+    shipped_basis,
+)
+from solvers.leg_bandage.geometry.cohort import load_cohort
 
 
 @pytest.fixture(scope="module")
