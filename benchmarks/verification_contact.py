@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from solvers.leg_bandage.outputs import MMHG
+from solvers.leg_bandage.outputs.outputs import MMHG
 from solvers.leg_bandage.verification.flat_patch import press, settlement_exactly
 from solvers.leg_bandage.verification.thick_cylinder import hooped_exactly
 from solvers.leg_bandage.verification.wound import (

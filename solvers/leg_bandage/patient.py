@@ -19,7 +19,7 @@ from solvers.leg_bandage.bandage.products import BANDAGES, STRETCH, bandage
 from solvers.leg_bandage.geometry.basis import reconstruction_errors
 from solvers.leg_bandage.geometry.cohort import Cohort, load_cohort
 from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.outputs import OUTPUTS
+from solvers.leg_bandage.outputs.outputs import OUTPUTS
 from solvers.leg_bandage.parameters import INPUTS, MODES, complete, legs_in
 from solvers.leg_bandage.plugin import LegBandage
 from surrogate.solver import Input, Output

@@ -39,7 +39,7 @@ from solvers.leg_bandage.geometry.bone import bone_of
 from solvers.leg_bandage.geometry.feasibility import check_leg
 from solvers.leg_bandage.geometry.landmarks import RULES
 from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.outputs import OUTPUTS, answers
+from solvers.leg_bandage.outputs.outputs import OUTPUTS, answers
 from solvers.leg_bandage.parameters import INPUTS, SHAPE, complete, shapes_in
 from solvers.leg_bandage.spiral import Wrap, wrap_for
 from solvers.leg_bandage.wrapping import element_rows, lay

@@ -10,7 +10,7 @@ from solvers.leg_bandage.geometry.basis import fit_basis
 from solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
 from solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc, b1_height
 from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.outputs import _circle, imprint, on_disc
+from solvers.leg_bandage.outputs.outputs import _circle, imprint, on_disc
 from solvers.leg_bandage.parameters import INPUTS, shapes_in
 from solvers.leg_bandage.plugin import LegBandage
 from surrogate import Study

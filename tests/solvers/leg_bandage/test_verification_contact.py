@@ -7,7 +7,7 @@ Stiffness is the contact's, so that penetration costs 0.2 % at most.
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.outputs import MMHG
+from solvers.leg_bandage.outputs.outputs import MMHG
 from solvers.leg_bandage.verification.flat_patch import MARGIN, SIDE, press, settlement_exactly
 from solvers.leg_bandage.verification.grid_refinement import observed_order, refined
 from solvers.leg_bandage.verification.legs import most_conical, named, slope, validation_leg

@@ -9,11 +9,11 @@ import meshio
 import numpy as np
 import pytest
 
-from solvers.leg_bandage import export, picture
 from solvers.leg_bandage.equilibrium import loading, model
 from solvers.leg_bandage.equilibrium.solution import NotConverged
 from solvers.leg_bandage.geometry.landmarks import Disc
-from solvers.leg_bandage.outputs import MMHG, imprint, on_disc
+from solvers.leg_bandage.outputs import export, picture
+from solvers.leg_bandage.outputs.outputs import MMHG, imprint, on_disc
 from solvers.leg_bandage.plugin import INPUTS, LegBandage
 from surrogate.errors import SolverError, StudyError
 

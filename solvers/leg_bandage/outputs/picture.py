@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers.leg_bandage.equilibrium.model import midpoints
 from solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc
-from solvers.leg_bandage.outputs import imprint
+from solvers.leg_bandage.outputs.outputs import imprint
 from solvers.leg_bandage.plugin import Result
 from surrogate.errors import SolverError
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from solvers.leg_bandage.outputs import MMHG, imprint
+from solvers.leg_bandage.outputs.outputs import MMHG, imprint
 from solvers.leg_bandage.plugin import Result
 from surrogate.errors import SolverError
 
