@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.projection import solve2
+from solvers.leg_bandage.surfaces.projection import solve2
 from surrogate.errors import SolverError
 
 Surface = Callable[..., np.ndarray]

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from solvers.leg_bandage.spiral import Surface, Wrap, across, midline_arc, normals
-from solvers.leg_bandage.surfaces import Strip, interpolate_strip
+from solvers.leg_bandage.surfaces.surfaces import Strip, interpolate_strip
 from solvers.leg_bandage.turns import turns_beneath
 
 FINER = 5

@@ -20,8 +20,8 @@ import numpy as np
 from solvers.leg_bandage.algebra.system import Tangent
 from solvers.leg_bandage.bandage.fabric import Fabric
 from solvers.leg_bandage.bandage.kirchhoff_love import TWIST, energy, frame, gradient_and_hessian
-from solvers.leg_bandage.kernels import bspline, tensor
-from solvers.leg_bandage.surfaces import Strip
+from solvers.leg_bandage.surfaces.interpolation import bspline, tensor
+from solvers.leg_bandage.surfaces.surfaces import Strip
 
 CHUNK = 4096  # elements whose second derivatives are held at a time: 20 kB each
 

@@ -30,7 +30,7 @@ import numpy as np
 from solvers.leg_bandage.algebra.system import Tangent
 from solvers.leg_bandage.contact.friction import ContactLaw
 from solvers.leg_bandage.contact.sparsity import Candidates
-from solvers.leg_bandage.projection import metric, project, solve2
+from solvers.leg_bandage.surfaces.projection import metric, project, solve2
 
 
 @dataclass(frozen=True)

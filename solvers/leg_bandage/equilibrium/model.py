@@ -18,7 +18,7 @@ from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscos
 from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.leg_mesh import LegMesh, leg_mesh
 from solvers.leg_bandage.spiral import Wrap
-from solvers.leg_bandage.surfaces import Skin, Strip
+from solvers.leg_bandage.surfaces.surfaces import Skin, Strip
 from solvers.leg_bandage.tissue import Tissue
 from solvers.leg_bandage.wrapping import Lay
 

@@ -17,8 +17,8 @@ import numpy as np
 from solvers.leg_bandage.equilibrium.model import Model, midpoints, skin_parameters
 from solvers.leg_bandage.geometry.landmarks import MEDIAL, RULES, Disc, b1_height, extreme_girths
 from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.projection import project, solve2
-from solvers.leg_bandage.surfaces import Skin, Strip, interpolate_strip
+from solvers.leg_bandage.surfaces.projection import project, solve2
+from solvers.leg_bandage.surfaces.surfaces import Skin, Strip, interpolate_strip
 from surrogate.errors import SolverError
 from surrogate.solver import Output
 

@@ -15,7 +15,7 @@ from scipy.sparse.linalg import spsolve
 
 from solvers.leg_bandage.bandage.fabric import Fabric
 from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.surfaces import Strip, interpolate_strip
+from solvers.leg_bandage.surfaces.surfaces import Strip, interpolate_strip
 from solvers.leg_bandage.verification.newton import held, newton, tangent_matrix
 
 

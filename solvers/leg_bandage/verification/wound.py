@@ -19,7 +19,7 @@ from solvers.leg_bandage.equilibrium.solution import Tolerances
 from solvers.leg_bandage.leg_mesh import leg_mesh, tube
 from solvers.leg_bandage.outputs.outputs import MMHG
 from solvers.leg_bandage.spiral import Wrap
-from solvers.leg_bandage.surfaces import Mandrel
+from solvers.leg_bandage.surfaces.surfaces import Mandrel
 from solvers.leg_bandage.verification.mandrel import ring_on_tube, ring_wrap, wind
 
 

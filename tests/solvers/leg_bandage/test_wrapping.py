@@ -11,7 +11,7 @@ from solvers.leg_bandage.geometry.basis import shipped_basis
 from solvers.leg_bandage.geometry.bone import bone_of
 from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.spiral import Wrap, wrap_for
-from solvers.leg_bandage.surfaces import Mandrel
+from solvers.leg_bandage.surfaces.surfaces import Mandrel
 from solvers.leg_bandage.verification.mandrel import around
 from solvers.leg_bandage.wrapping import element_rows, lay
 from surrogate.errors import SolverError

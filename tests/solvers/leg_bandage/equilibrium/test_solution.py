@@ -10,7 +10,7 @@ import pytest
 from solvers.leg_bandage.bandage.products import at_tension
 from solvers.leg_bandage.contact.friction import ContactLaw
 from solvers.leg_bandage.equilibrium.solution import NotConverged, Problem, Tolerances, creep
-from solvers.leg_bandage.surfaces import Mandrel
+from solvers.leg_bandage.surfaces.surfaces import Mandrel
 from solvers.leg_bandage.verification.mandrel import ring_wrap, wind
 
 
