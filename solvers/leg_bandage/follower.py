@@ -11,7 +11,7 @@ import numpy as np
 
 from solvers.leg_bandage.algebra.system import Tangent
 from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.leg_mesh import LegMesh
+from solvers.leg_bandage.tissue.mesh import LegMesh
 
 
 class FollowerPressure:

@@ -24,7 +24,7 @@ from solvers.leg_bandage.contact.friction import ContactLaw
 from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscosity
 from solvers.leg_bandage.follower import bandage_pressure
 from solvers.leg_bandage.surfaces.surfaces import Skin, Strip
-from solvers.leg_bandage.tissue import Tissue
+from solvers.leg_bandage.tissue.neo_hooke import Tissue
 from solvers.leg_bandage.verification.plates import laid
 from solvers.leg_bandage.wrapping import shares
 

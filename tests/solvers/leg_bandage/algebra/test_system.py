@@ -11,9 +11,9 @@ from solvers.leg_bandage.algebra.reused_factors import SHARE, LaggedSolver, gmre
 from solvers.leg_bandage.algebra.system import System, compress
 from solvers.leg_bandage.bandage.products import NOMINAL
 from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.leg_mesh import leg_mesh, tube
 from solvers.leg_bandage.surfaces.surfaces import Strip
-from solvers.leg_bandage.tissue import Tissue
+from solvers.leg_bandage.tissue.mesh import leg_mesh, tube
+from solvers.leg_bandage.tissue.neo_hooke import Tissue
 from solvers.leg_bandage.verification.plates import laid
 from surrogate.errors import SolverError
 
