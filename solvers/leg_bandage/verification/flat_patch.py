@@ -22,9 +22,9 @@ from solvers.leg_bandage.bandage.shell import Shell
 from solvers.leg_bandage.contact.contact import Contact, Points
 from solvers.leg_bandage.contact.friction import ContactLaw
 from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscosity
-from solvers.leg_bandage.follower import bandage_pressure
 from solvers.leg_bandage.surfaces.surfaces import Skin, Strip
 from solvers.leg_bandage.tissue.neo_hooke import Tissue
+from solvers.leg_bandage.verification.follower_pressure import bandage_pressure
 from solvers.leg_bandage.verification.plates import laid
 from solvers.leg_bandage.wrapping import shares
 

@@ -11,8 +11,8 @@ from scipy.special import ellipeinc, ellipkinc
 from solvers.leg_bandage.bandage.fabric import Fabric
 from solvers.leg_bandage.bandage.products import NOMINAL, at_tension
 from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.follower import bandage_pressure
 from solvers.leg_bandage.surfaces.surfaces import Strip
+from solvers.leg_bandage.verification.follower_pressure import bandage_pressure
 from solvers.leg_bandage.verification.newton import held, newton
 from solvers.leg_bandage.verification.plates import (
     cantilever,

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.sparse import coo_array
 
-from solvers.leg_bandage.follower import skin_pressure
 from solvers.leg_bandage.tissue.mesh import leg_mesh, tube
 from solvers.leg_bandage.tissue.neo_hooke import Tissue
+from solvers.leg_bandage.verification.follower_pressure import skin_pressure
 from solvers.leg_bandage.verification.newton import held, newton
 from solvers.leg_bandage.verification.thick_cylinder import (
     annulus,
