@@ -41,8 +41,8 @@ from solvers.leg_bandage.geometry.landmarks import RULES
 from solvers.leg_bandage.geometry.leg import Leg
 from solvers.leg_bandage.outputs.outputs import OUTPUTS, answers
 from solvers.leg_bandage.parameters import INPUTS, SHAPE, complete, shapes_in
-from solvers.leg_bandage.spiral import Wrap, wrap_for
-from solvers.leg_bandage.wrapping import element_rows, lay
+from solvers.leg_bandage.wrapping.lay import element_rows, lay
+from solvers.leg_bandage.wrapping.spiral import Wrap, wrap_for
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Input
 

@@ -16,11 +16,11 @@ from solvers.leg_bandage.contact.contact import Contact, Points
 from solvers.leg_bandage.contact.friction import ContactLaw
 from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscosity
 from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.spiral import Wrap
 from solvers.leg_bandage.surfaces.surfaces import Skin, Strip
 from solvers.leg_bandage.tissue.mesh import LegMesh, leg_mesh
 from solvers.leg_bandage.tissue.neo_hooke import Tissue
-from solvers.leg_bandage.wrapping import Lay
+from solvers.leg_bandage.wrapping.lay import Lay
+from solvers.leg_bandage.wrapping.spiral import Wrap
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,10 @@ from scipy.interpolate import CubicSpline
 
 from solvers.leg_bandage.equilibrium.loading import hold, release
 from solvers.leg_bandage.equilibrium.model import Model, build, skin_parameters
-from solvers.leg_bandage.spiral import Wrap, midline_arc
 from solvers.leg_bandage.surfaces.surfaces import Skin
 from solvers.leg_bandage.tissue.mesh import LegMesh
-from solvers.leg_bandage.wrapping import Lay, lay_rows
+from solvers.leg_bandage.wrapping.lay import Lay, lay_rows
+from solvers.leg_bandage.wrapping.spiral import Wrap, midline_arc
 
 
 def deformed_skin(mesh: LegMesh, u: np.ndarray):

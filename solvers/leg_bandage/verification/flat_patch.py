@@ -26,7 +26,7 @@ from solvers.leg_bandage.surfaces.surfaces import Skin, Strip
 from solvers.leg_bandage.tissue.neo_hooke import Tissue
 from solvers.leg_bandage.verification.follower_pressure import bandage_pressure
 from solvers.leg_bandage.verification.plates import laid
-from solvers.leg_bandage.wrapping import shares
+from solvers.leg_bandage.wrapping.lay import shares
 
 SIDE, HEIGHT = 60.0, 30.0
 MARGIN = 2

@@ -16,11 +16,11 @@ from solvers.leg_bandage.contact.contact import Contact, Points
 from solvers.leg_bandage.contact.friction import ContactLaw
 from solvers.leg_bandage.equilibrium.model import skin_parameters
 from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscosity, creep
-from solvers.leg_bandage.spiral import Wrap
 from solvers.leg_bandage.surfaces.surfaces import Mandrel, Skin, Strip
 from solvers.leg_bandage.tissue.mesh import LegMesh
 from solvers.leg_bandage.tissue.neo_hooke import Tissue
-from solvers.leg_bandage.wrapping import lay
+from solvers.leg_bandage.wrapping.lay import lay
+from solvers.leg_bandage.wrapping.spiral import Wrap
 
 
 def around(mandrel: Mandrel):

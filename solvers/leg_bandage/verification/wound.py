@@ -17,10 +17,10 @@ from solvers.leg_bandage.bandage.products import NOMINAL, at_tension
 from solvers.leg_bandage.contact.friction import ContactLaw
 from solvers.leg_bandage.equilibrium.solution import Tolerances
 from solvers.leg_bandage.outputs.outputs import MMHG
-from solvers.leg_bandage.spiral import Wrap
 from solvers.leg_bandage.surfaces.surfaces import Mandrel
 from solvers.leg_bandage.tissue.mesh import leg_mesh, tube
 from solvers.leg_bandage.verification.mandrel import ring_on_tube, ring_wrap, wind
+from solvers.leg_bandage.wrapping.spiral import Wrap
 
 
 def limp(tension: float) -> Fabric:

@@ -10,10 +10,10 @@ from solvers.leg_bandage.equilibrium.progressive import deformed_skin
 from solvers.leg_bandage.geometry.basis import shipped_basis
 from solvers.leg_bandage.geometry.bone import bone_of
 from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.spiral import Wrap, wrap_for
 from solvers.leg_bandage.surfaces.surfaces import Mandrel
 from solvers.leg_bandage.verification.mandrel import around
-from solvers.leg_bandage.wrapping import element_rows, lay
+from solvers.leg_bandage.wrapping.lay import element_rows, lay
+from solvers.leg_bandage.wrapping.spiral import Wrap, wrap_for
 from surrogate.errors import SolverError
 
 CYLINDER = around(Mandrel(45, 45))
