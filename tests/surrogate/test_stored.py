@@ -11,10 +11,10 @@ from misbehaving import Misbehaving
 
 from surrogate import runs as rundata
 from surrogate import stored
+from surrogate.cli.results import analyse, store
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution import interrupted
 from surrogate.journal import read
-from surrogate.results import analyse, store
 from surrogate.study import Study
 
 TEXT = """\

@@ -6,9 +6,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from surrogate import results
 from surrogate import runs as rundata
 from surrogate.agreement import agreement
+from surrogate.cli import results
 from surrogate.errors import StudyError
 from surrogate.study import Study
 

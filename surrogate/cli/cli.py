@@ -16,9 +16,10 @@ import typer
 from rich.console import Console
 from typer.core import TyperGroup
 
-from surrogate import __version__, results, starting, studyfile, terminal
+from surrogate import __version__, starting, studyfile
+from surrogate.cli import results, terminal
+from surrogate.cli.progress import RunsBar
 from surrogate.errors import DesignError, PluginError, StudyError, SurrogateError
-from surrogate.progress import RunsBar
 from surrogate.study import Study
 
 

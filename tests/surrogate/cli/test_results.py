@@ -6,7 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from surrogate import results
+from surrogate.cli import results
 from surrogate.errors import ResultsError, SolverError
 from surrogate.solver import Input, Output
 from surrogate.study import Study

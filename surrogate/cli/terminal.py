@@ -16,11 +16,11 @@ from rich.table import Table
 
 from surrogate import plugins, prediction
 from surrogate import runs as rundata
+from surrogate.cli.progress import duration
+from surrogate.cli.results import Outcome, figures_of
+from surrogate.cli.results import store as store_runs
+from surrogate.cli.results import validate as validate_with
 from surrogate.execution import interrupted
-from surrogate.progress import duration
-from surrogate.results import Outcome, figures_of
-from surrogate.results import store as store_runs
-from surrogate.results import validate as validate_with
 from surrogate.study import Study
 
 
