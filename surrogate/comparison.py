@@ -18,9 +18,9 @@ import xarray as xr
 from scipy import stats
 
 from surrogate.fitting import Fit, q2, rmse
-from surrogate.regression import Nested, nested
 from surrogate.regressors.field import Field
 from surrogate.regressors.polynomial import Polynomial
+from surrogate.regressors.regression import Nested, nested
 
 Fits = Mapping[str, Mapping[str, Fit]]
 Runs = tuple[np.ndarray, np.ndarray]

@@ -14,8 +14,7 @@ from scipy import linalg
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from surrogate import regression
-from surrogate.regressors import anova
+from surrogate.regressors import anova, regression
 from surrogate.regressors.orthogonal import Basis, Index, basis, hyperbolic, products
 
 #: Larger sets of candidate terms are not tried.

@@ -14,8 +14,7 @@ import xarray as xr
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
-from surrogate import regression
-from surrogate.regressors import anova, portable
+from surrogate.regressors import anova, portable, regression
 from surrogate.regressors.columns import Column, columns, expand
 
 #: A term is a product of powers of columns: ((column number, power), ...); () is the constant.

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.errors import FitError
-from surrogate.regression import nested
+from surrogate.regressors.regression import nested
 from surrogate.report import digits
 from surrogate.report.blocks import (
     Cell,

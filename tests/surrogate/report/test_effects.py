@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from surrogate import fitting
-from surrogate.regression import nested
 from surrogate.regressors.polynomial import Linear
+from surrogate.regressors.regression import nested
 from surrogate.report import digits
 from surrogate.report.sections.effects import comparisons, influence, sentences
 

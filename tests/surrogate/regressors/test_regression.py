@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from surrogate import regression
 from surrogate.errors import FitError
+from surrogate.regressors import regression
 
 FACTS = json.loads((Path(__file__).parents[1] / "reference/regression.json").read_text())
 
