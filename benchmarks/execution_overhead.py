@@ -23,7 +23,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from surrogate.execution import execute
-from surrogate.identity import Recipe
+from surrogate.runs.identity import Recipe
 from surrogate.solver import Input, Output
 
 

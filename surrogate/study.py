@@ -14,25 +14,25 @@ import xarray as xr
 
 from surrogate import comparison as comparing
 from surrogate import fitting, reading, studyfile
-from surrogate import runs as rundata
-from surrogate import stored as storing
 from surrogate.cases import Cases, from_runs
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
 from surrogate.errors import FitError, PluginError, StudyError
 from surrogate.execution import Progress, cores, execute, execute_fresh
 from surrogate.fitting import Fit
-from surrogate.identity import Call, Recipe, calls, canonical, keys
-from surrogate.journal import read as read_journal
 from surrogate.plugins import call, parameters_of
 from surrogate.reading import Reading, SensitivityMethod, Surrogate
 from surrogate.report import Content, Page, build
+from surrogate.runs import dataset as rundata
+from surrogate.runs import stored as storing
+from surrogate.runs.identity import Call, Recipe, calls, canonical, keys
+from surrogate.runs.journal import read as read_journal
+from surrogate.runs.stored import Given, Known, StoredRuns
 from surrogate.sensitivity.screening import Screening, decide
 from surrogate.sensitivity.table import combine
 from surrogate.solver import Output
 from surrogate.source import Source, read_file, read_text, write_yaml
 from surrogate.space import Space
-from surrogate.stored import Given, Known, StoredRuns
 from surrogate.studyfile import ExecutionPart, ScreeningPart
 from surrogate.validation import Validation, fixed_inputs, outputs_in
 from surrogate.validation import validate as compare_with_cases

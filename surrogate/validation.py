@@ -14,7 +14,7 @@ from surrogate.agreement import FIGURES, agreement
 from surrogate.cases import Cases
 from surrogate.errors import SolverError
 from surrogate.fitting import Fit
-from surrogate.identity import Recipe, calls
+from surrogate.runs.identity import Recipe, calls
 from surrogate.solver import Solver
 from surrogate.space import Parameter, Space
 

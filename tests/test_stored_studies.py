@@ -11,7 +11,7 @@ from solvers.leg_bandage.geometry.cohort import load_cohort
 from solvers.leg_bandage.person import Reduced, predict_pressure, wear
 from solvers.leg_bandage.person.shape import both_ways
 from surrogate import Study
-from surrogate.runs import call_and_answer
+from surrogate.runs.dataset import call_and_answer
 
 ROOT = Path(__file__).parent.parent
 PERSON = ROOT / "solvers/leg_bandage/data/pressure.yaml"

@@ -24,13 +24,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate import runs as rundata
-from surrogate import stored as storing
 from surrogate.cases import Cases
 from surrogate.errors import FitError, ResultsError, StudyError, SurrogateError
 from surrogate.execution import Progress
-from surrogate.files import write_text
 from surrogate.reduction import reduced_text
+from surrogate.runs import dataset as rundata
+from surrogate.runs import stored as storing
+from surrogate.runs.files import write_text
 from surrogate.study import Fits, Study
 
 REPORT, SUMMARY, RUNS = "report.html", "summary.json", "runs.nc"

@@ -22,9 +22,9 @@ from typing import Any
 from surrogate.errors import StudyError
 from surrogate.execution.executors import Elsewhere
 from surrogate.execution.pool import Event, Pool, Task
-from surrogate.identity import Recipe, calls, keys
-from surrogate.journal import Journal, Record, read
-from surrogate.stored import Given, Known
+from surrogate.runs.identity import Recipe, calls, keys
+from surrogate.runs.journal import Journal, Record, read
+from surrogate.runs.stored import Given, Known
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from queue import Empty, SimpleQueue
 from surrogate.errors import SurrogateError
 from surrogate.execution.pool import TICK, Event, Task
 from surrogate.execution.workers import Built, Outcome
-from surrogate.identity import Recipe
+from surrogate.runs.identity import Recipe
 from surrogate.solver import Output
 
 

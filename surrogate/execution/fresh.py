@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from surrogate.execution.execute import Progress, execute
-from surrogate.identity import Recipe
-from surrogate.journal import Journal, read
+from surrogate.runs.identity import Recipe
+from surrogate.runs.journal import Journal, read
 
 
 def execute_fresh(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,

@@ -22,7 +22,7 @@ from pathlib import Path
 from surrogate.errors import PluginError
 from surrogate.execution.spawning import parcel, start
 from surrogate.execution.workers import BATCH_SECONDS, Outcome, work
-from surrogate.identity import Call, Recipe
+from surrogate.runs.identity import Call, Recipe
 from surrogate.solver import Output
 
 #: Longest pause between two looks at the clock, in seconds.

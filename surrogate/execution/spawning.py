@@ -21,7 +21,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from surrogate.errors import StudyError
-from surrogate.identity import Recipe
+from surrogate.runs.identity import Recipe
 
 try:
     from multiprocessing import resource_tracker

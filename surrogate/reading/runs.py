@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from surrogate import stored
 from surrogate.reading.notes import Reading
-from surrogate.stored import StoredRuns
+from surrogate.runs import stored
+from surrogate.runs.stored import StoredRuns
 
 
 def stored_of(reading: Reading) -> tuple[StoredRuns, ...]:

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from surrogate import distributions, plugins, runs, studyfile, units
+from surrogate import distributions, plugins, studyfile, units
 from surrogate.errors import StudyError, nearest
-from surrogate.identity import Recipe
 from surrogate.plugins import SolverFactory
 from surrogate.reading.notes import Reading
+from surrogate.runs import dataset as runs
+from surrogate.runs.identity import Recipe
 from surrogate.solver import Input, Output, Solver
 from surrogate.space import Parameter, Space
 from surrogate.studyfile import ParameterPart, SolverPart

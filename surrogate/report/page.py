@@ -10,7 +10,6 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from surrogate.files import write_text
 from surrogate.report import digits
 from surrogate.report.blocks import Section, anchor
 from surrogate.report.content import Content
@@ -27,6 +26,7 @@ from surrogate.report.sections import (
     summary,
     validation,
 )
+from surrogate.runs.files import write_text
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from misbehaving import WAYS, Misbehaving, Noise, Threads, Unbuildable
 
 from surrogate.errors import PluginError, ResultsError, StudyError, SurrogateError
 from surrogate.execution import Progress, cores, execute
-from surrogate.identity import Recipe
-from surrogate.journal import Journal, read
+from surrogate.runs.identity import Recipe
+from surrogate.runs.journal import Journal, read
 
 
 def recipe(**options):
@@ -300,7 +300,7 @@ PROGRAM = textwrap.dedent("""
     import numpy as np
     from misbehaving import Misbehaving
     from surrogate.execution import execute
-    from surrogate.identity import Recipe
+    from surrogate.runs.identity import Recipe
 
     # No `if __name__ == "__main__"`: workers do not run this file again.
     recipe = Recipe("misbehaving", Misbehaving, {{"diary": {diary!r}, "pause": 0.05}})

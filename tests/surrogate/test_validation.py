@@ -6,10 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from surrogate import runs as rundata
 from surrogate.agreement import agreement
 from surrogate.cli import results
 from surrogate.errors import StudyError
+from surrogate.runs import dataset as rundata
 from surrogate.study import Study
 
 TEXT = """\

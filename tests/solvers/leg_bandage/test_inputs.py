@@ -16,8 +16,8 @@ from solvers.leg_bandage.plugin import LegBandage
 from surrogate import Study
 from surrogate.conformance import check_solver
 from surrogate.errors import SolverError, StudyError
-from surrogate.identity import Recipe, keys
-from surrogate.identity import calls as calls_of
+from surrogate.runs.identity import Recipe, keys
+from surrogate.runs.identity import calls as calls_of
 
 
 @pytest.fixture(scope="module")

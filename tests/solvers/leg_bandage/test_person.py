@@ -26,8 +26,9 @@ from solvers.leg_bandage.person import (
 from solvers.leg_bandage.person.page import person_page
 from solvers.leg_bandage.person.prediction import Skin, Solved
 from solvers.leg_bandage.scan import fit_scan
-from surrogate import Study, stored
+from surrogate import Study
 from surrogate.errors import ResultsError, SolverError, StudyError
+from surrogate.runs import stored
 
 DATA = Path(__file__).parent / "data"
 KNOWN = {"up": "z", "front": "y", "side": "right", "ends": True}

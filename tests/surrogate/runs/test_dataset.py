@@ -11,12 +11,12 @@ import pytest
 import xarray as xr
 from misbehaving import WAYS, Misbehaving, Noise
 
-from surrogate import runs as rundata
 from surrogate.distributions import distribution, uniform
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution import execute
-from surrogate.identity import Recipe, calls, keys
-from surrogate.journal import Contents, Record, read
+from surrogate.runs import dataset as rundata
+from surrogate.runs.identity import Recipe, calls, keys
+from surrogate.runs.journal import Contents, Record, read
 from surrogate.solver import Output
 from surrogate.space import Parameter, Space
 

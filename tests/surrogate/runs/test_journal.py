@@ -13,9 +13,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from surrogate import journal
 from surrogate.errors import ResultsError
-from surrogate.journal import Journal, Record, read
+from surrogate.runs import journal
+from surrogate.runs.journal import Journal, Record, read
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
@@ -148,7 +148,7 @@ def test_a_limit_of_file_size_keeps_what_is_there(tmp_path):
     """The system's own refusal (RLIMIT_FSIZE) in another process."""
     program = textwrap.dedent(f"""
         import resource
-        from surrogate.journal import Journal, Record
+        from surrogate.runs.journal import Journal, Record
         resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
         with Journal({str(tmp_path)!r}) as book:
             for i in range(1000):
@@ -164,7 +164,7 @@ def test_a_limit_of_file_size_keeps_what_is_there(tmp_path):
 
 HOLD = """
 import sys, time
-from surrogate.journal import Journal
+from surrogate.runs.journal import Journal
 with Journal(sys.argv[1]):
     print("held", flush=True)
     time.sleep(60)

@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from surrogate import runs as rundata
 from surrogate.errors import ResultsError, StudyError
-from surrogate.identity import Call, Recipe, keys_in
-from surrogate.journal import Contents, Record
+from surrogate.runs import dataset as rundata
+from surrogate.runs.identity import Call, Recipe, keys_in
+from surrogate.runs.journal import Contents, Record
 
 #: Inputs that differ by less than this share of the largest value in a file are one input.
 SAME = 1e-12

@@ -21,9 +21,9 @@ import numpy as np
 import xarray as xr
 
 from surrogate.errors import ResultsError, StudyError, nearest
-from surrogate.files import write_bytes
-from surrogate.identity import Call, Recipe, calls, canonical, keys
-from surrogate.journal import Contents, Record
+from surrogate.runs.files import write_bytes
+from surrogate.runs.identity import Call, Recipe, calls, canonical, keys
+from surrogate.runs.journal import Contents, Record
 from surrogate.solver import Output
 from surrogate.space import Space
 
@@ -85,7 +85,7 @@ def assemble(space: Space, designs: Designs, recipe: Recipe, journal: Contents, 
 
     designs  name -> coded points (run, parameter); a point in two of them is two rows that
              share one result
-    journal  what `surrogate.journal.read` gave; a run that it lacks has status "missing"
+    journal  what `surrogate.runs.journal.read` gave; a run that it lacks has status "missing"
     study    text of the study file; seeds: name -> seed. Both are kept as attributes
 
     Raises `StudyError` when a name would stand for two things.

@@ -9,12 +9,12 @@ import pytest
 import xarray as xr
 from misbehaving import Misbehaving
 
-from surrogate import runs as rundata
-from surrogate import stored
 from surrogate.cli.results import analyse, store
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution import interrupted
-from surrogate.journal import read
+from surrogate.runs import dataset as rundata
+from surrogate.runs import stored
+from surrogate.runs.journal import read
 from surrogate.study import Study
 
 TEXT = """\

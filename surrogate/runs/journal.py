@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from surrogate.errors import ResultsError
-from surrogate.lock import give_back, take_lock
+from surrogate.runs.lock import give_back, take_lock
 
 SYNC_SECONDS = 0.5
 RECORDS, FIELDS, LOCK = "runs.jsonl", "fields.bin", "lock"
@@ -36,7 +36,7 @@ RECORDS, FIELDS, LOCK = "runs.jsonl", "fields.bin", "lock"
 class Record:
     """One finished run.
 
-    key       identity (surrogate.identity.keys)
+    key       identity (surrogate.runs.identity.keys)
     inputs    what the solver was called with
     status    ok, failed or timed_out; `message` says why
     seconds   duration of the last attempt; `limit` the time it was allowed, None for any
