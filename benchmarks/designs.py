@@ -22,8 +22,8 @@ from scipy.spatial.distance import pdist
 from scipy.stats import qmc
 
 from surrogate.designs.latin_hypercube import latin_hypercube
-from surrogate.distributions import uniform
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 SIZES = [(10, 2), (20, 3), (20, 7), (50, 5), (100, 7), (200, 10)]
 

@@ -21,7 +21,6 @@ from SALib.sample import sobol as salib_sample
 from sklearn.ensemble import RandomForestRegressor
 
 from solvers.textbook import Borehole, Ishigami, Piston, SobolG
-from surrogate.distributions import uniform
 from surrogate.fitting import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
@@ -29,7 +28,8 @@ from surrogate.sensitivity.draws import Measure, spread
 from surrogate.sensitivity.model import model
 from surrogate.sensitivity.pick_freeze import pick_freeze, product_moments
 from surrogate.sensitivity.unit_cube import global_seed, problem
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference" / "sobol_indices.json"
 SOLVERS = {"ishigami": Ishigami(), "sobol_g": SobolG(), "borehole": Borehole(), "piston": Piston()}

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate import units
 from surrogate.errors import ResultsError, StudyError, nearest
 from surrogate.runs import dataset as rundata
+from surrogate.space import units
 
 LABEL, SUBJECT = "case", "subject"
 #: Mistakes shown before the rest is only counted.

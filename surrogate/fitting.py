@@ -28,7 +28,7 @@ from surrogate.errors import FitError
 from surrogate.regressors import portable
 from surrogate.regressors.columns import columns, expand
 from surrogate.regressors.field import Field
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: Points predicted at once, so that memory stays bounded for any number of them.
 CHUNK = 65_536

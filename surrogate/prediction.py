@@ -12,7 +12,7 @@ import xarray as xr
 
 from surrogate.cases import Cases, read_csv
 from surrogate.errors import FitError, ResultsError, StudyError, nearest
-from surrogate.space import Space
+from surrogate.space.space import Space
 from surrogate.study import Fits, Study
 
 

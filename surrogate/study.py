@@ -32,7 +32,7 @@ from surrogate.sensitivity.screening import Screening, decide
 from surrogate.sensitivity.table import combine
 from surrogate.solver import Output
 from surrogate.source import Source, read_file, read_text, write_yaml
-from surrogate.space import Space
+from surrogate.space.space import Space
 from surrogate.studyfile import ExecutionPart, ScreeningPart
 from surrogate.validation import Validation, fixed_inputs, outputs_in
 from surrogate.validation import validate as compare_with_cases

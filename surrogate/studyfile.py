@@ -20,8 +20,8 @@ from pydantic import (
     model_validator,
 )
 
-from surrogate import units
 from surrogate.errors import StudyError, nearest
+from surrogate.space import units
 
 Number = Annotated[float, Field(strict=False, allow_inf_nan=False)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate import units
 from surrogate.agreement import FIGURES, agreement
 from surrogate.cases import Cases
 from surrogate.errors import SolverError
 from surrogate.fitting import Fit
 from surrogate.runs.identity import Recipe, calls
 from surrogate.solver import Solver
-from surrogate.space import Parameter, Space
+from surrogate.space import units
+from surrogate.space.space import Parameter, Space
 
 CONFIDENCE = 0.95
 DEFINITIONS = (

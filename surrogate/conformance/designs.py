@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from surrogate.conformance.verdict import attempt, conclude, documented, global_randomness, same
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import DesignError
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 _RANGES = tuple(Parameter(name, uniform(low, low + 2.0), unit="mm")
                 for name, low in (("length", 1.0), ("width", -3.0), ("height", 0.0)))

@@ -12,8 +12,8 @@ import numpy as np
 from sklearn.base import clone
 
 from surrogate.conformance.verdict import attempt, conclude, documented, global_randomness, same
-from surrogate.distributions import uniform
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 SPACE = Space(tuple(Parameter(name, uniform(0.0, 1.0)) for name in ("length", "width", "height")))
 RUNS, ELSEWHERE = 40, 25

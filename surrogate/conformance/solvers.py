@@ -12,7 +12,7 @@ import numpy as np
 from surrogate.conformance.verdict import attempt, conclude, documented, same
 from surrogate.errors import SolverError, nearest
 from surrogate.solver import Input, Output
-from surrogate.units import known
+from surrogate.space.units import known
 
 Values = Mapping[str, Any]
 

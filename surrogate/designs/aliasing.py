@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surrogate.designs import columns
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: With more generators than this, the defining words are too many to list.
 LISTED_GENERATORS = 12

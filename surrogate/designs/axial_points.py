@@ -11,7 +11,7 @@ import numpy as np
 from surrogate.designs.center_points import centers
 from surrogate.designs.requirements import bounded, number
 from surrogate.errors import DesignError
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 def axial_points(space: Space, coded, *, alpha: float = 1.0, seed=None) -> np.ndarray:

@@ -15,7 +15,7 @@ from surrogate.designs import columns
 from surrogate.designs.center_points import centers
 from surrogate.designs.requirements import continuous
 from surrogate.errors import DesignError
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 def _cyclic(first: tuple[int, ...], parameters: int) -> tuple[tuple[int, ...], ...]:

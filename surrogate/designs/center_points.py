@@ -11,7 +11,7 @@ import itertools
 import numpy as np
 
 from surrogate.designs.requirements import whole
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 def center_points(space: Space, coded, *, runs: int = 1, seed=None) -> np.ndarray:

@@ -16,7 +16,7 @@ from surrogate.designs.axial_points import star
 from surrogate.designs.center_points import centers
 from surrogate.designs.minimum_aberration import fewest_runs
 from surrogate.designs.requirements import affordable, choice, continuous, number
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 ALPHAS = ("rotatable", "spherical", "face")
 CUBES = ("full", "fraction")

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from surrogate.errors import DesignError, StudyError, nearest
-from surrogate.space import Parameter, Space
+from surrogate.space.space import Parameter, Space
 
 #: Mistakes shown before the rest is only counted.
 SHOWN = 20

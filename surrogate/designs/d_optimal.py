@@ -13,7 +13,7 @@ import numpy as np
 
 from surrogate.designs.requirements import affordable, bounded, choice, whole
 from surrogate.errors import DesignError
-from surrogate.space import Parameter, Space
+from surrogate.space.space import Parameter, Space
 
 MODELS = ("linear", "interactions", "quadratic")
 #: Singular starts are lifted by this much of the identity (Meyer and Nachtsheim 1995, 3.2);

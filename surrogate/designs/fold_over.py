@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from surrogate.errors import DesignError, nearest
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 def fold_over(space: Space, coded, *, parameter: str | None = None, seed=None) -> np.ndarray:

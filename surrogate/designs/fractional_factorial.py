@@ -14,7 +14,7 @@ from surrogate.designs.center_points import centers
 from surrogate.designs.minimum_aberration import fewest_runs, fraction
 from surrogate.designs.requirements import affordable, two_level, whole
 from surrogate.errors import DesignError
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 ROMAN = {"III": 3, "IV": 4, "V": 5, "VI": 6, "VII": 7, "VIII": 8}
 LARGEST_BASE = 14

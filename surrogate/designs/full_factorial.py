@@ -11,7 +11,7 @@ import pyDOE3
 from surrogate.designs.center_points import centers
 from surrogate.designs.requirements import affordable, bounded, whole
 from surrogate.errors import DesignError, nearest
-from surrogate.space import Parameter, Space
+from surrogate.space.space import Parameter, Space
 
 
 def full_factorial(space: Space, *, levels: int | dict[str, int] = 2, center_points: int = 0,

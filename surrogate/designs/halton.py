@@ -11,7 +11,7 @@ from scipy.stats import qmc
 
 from surrogate.designs.requirements import affordable, whole
 from surrogate.designs.sobol import EDGE
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 def halton(space: Space, *, runs: int, seed=None) -> np.ndarray:

@@ -12,7 +12,7 @@ import numpy as np
 
 from surrogate.designs.maximin import maximin
 from surrogate.designs.requirements import affordable, choice, whole
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 CRITERIA = ("maximin", "random")
 

@@ -15,7 +15,7 @@ import numpy as np
 from surrogate.designs.center_points import centers
 from surrogate.designs.requirements import affordable, two_level, whole
 from surrogate.errors import DesignError
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 def plackett_burman(space: Space, *, runs: int | None = None, center_points: int = 0,

@@ -8,7 +8,7 @@ from __future__ import annotations
 from numbers import Integral, Real
 
 from surrogate.errors import DesignError, nearest
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: A design larger than this is a slip of the pen: no one runs a solver a million times.
 LARGEST = 1_000_000

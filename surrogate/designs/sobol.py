@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from surrogate.designs.requirements import affordable, whole
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: Keeps unbounded parameters away from probability 0 and 1.
 EDGE = 2.0**-32

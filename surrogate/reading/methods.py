@@ -16,7 +16,7 @@ from surrogate.errors import PluginError, StudyError, nearest
 from surrogate.fitting import minimum_runs
 from surrogate.reading.notes import Reading
 from surrogate.sensitivity import groups as grouping
-from surrogate.space import Space
+from surrogate.space.space import Space
 from surrogate.studyfile import DesignPart, SurrogatePart
 
 #: Parameters of plug-ins that the framework fills in; they are not options.

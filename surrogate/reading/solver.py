@@ -7,14 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from surrogate import distributions, plugins, studyfile, units
+from surrogate import plugins, studyfile
 from surrogate.errors import StudyError, nearest
 from surrogate.plugins import SolverFactory
 from surrogate.reading.notes import Reading
 from surrogate.runs import dataset as runs
 from surrogate.runs.identity import Recipe
 from surrogate.solver import Input, Output, Solver
-from surrogate.space import Parameter, Space
+from surrogate.space import distributions, units
+from surrogate.space.space import Parameter, Space
 from surrogate.studyfile import ParameterPart, SolverPart
 
 #: Parameters of a solver's constructor that the framework fills in; they are not options.

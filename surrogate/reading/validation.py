@@ -12,7 +12,7 @@ from surrogate.reading.notes import Reading
 from surrogate.reading.solver import solver_of
 from surrogate.runs.identity import Recipe
 from surrogate.solver import Output, Solver
-from surrogate.space import Space
+from surrogate.space.space import Space
 from surrogate.validation import Validation, constants_for, fixed_inputs, outputs_in
 
 ReadStudy = Callable[[Path], Any]

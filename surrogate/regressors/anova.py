@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from surrogate.errors import FitError
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: Lists of input numbers that count as one input each; they share no input.
 Groups = Sequence[Sequence[int]]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 @dataclass(frozen=True)

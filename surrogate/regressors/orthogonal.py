@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from surrogate.space import Parameter
+from surrogate.space.space import Parameter
 
 #: A product of polynomials: ((input, number), ...), numbers above 0; () is the constant.
 Index = tuple[tuple[int, int], ...]

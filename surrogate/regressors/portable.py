@@ -30,7 +30,7 @@ import math
 
 from surrogate.errors import FitError
 from surrogate.regressors.columns import Column
-from surrogate.space import Parameter, Space
+from surrogate.space.space import Parameter, Space
 
 FORMAT = "surrogate-studies portable surrogate"
 VERSION = 1

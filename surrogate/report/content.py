@@ -12,7 +12,7 @@ from surrogate.designs.aliasing import Aliasing
 from surrogate.fitting import Fit
 from surrogate.runs.dataset import RESERVED_NAMES
 from surrogate.sensitivity.screening import Screening
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: Below this Q2 a surrogate's predictions are called poor.
 POOR_Q2 = 0.9

@@ -25,7 +25,7 @@ from surrogate.runs.files import write_bytes
 from surrogate.runs.identity import Call, Recipe, calls, canonical, keys
 from surrogate.runs.journal import Contents, Record
 from surrogate.solver import Output
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: Names that a study's parameters, outputs and outputs' dimensions cannot have.
 RESERVED_NAMES = frozenset({"run", "parameter", "coded", "design", "status", "message",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 @dataclass(frozen=True)

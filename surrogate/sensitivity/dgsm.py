@@ -11,7 +11,7 @@ from surrogate.sensitivity.model import Model, model, require_at_least, rests
 from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
 from surrogate.sensitivity.unit_cube import Method, measured, problem
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: Step of the finite differences, in probability.
 STEP = 1e-5

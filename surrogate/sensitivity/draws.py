@@ -37,7 +37,7 @@ from sklearn.base import clone
 from surrogate.errors import FitError
 from surrogate.sensitivity.model import Model, require_at_least
 from surrogate.sensitivity.pick_freeze import Groups, mixed_points, product_moments, ratios
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 Indices = tuple[np.ndarray, np.ndarray, np.ndarray]
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from inspect import signature
 
 from surrogate.errors import StudyError, nearest
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: Group name -> names of its parameters, none of them in another group.
 Named = Mapping[str, Sequence[str]]

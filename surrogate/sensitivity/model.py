@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surrogate.errors import StudyError
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 @dataclass(frozen=True)

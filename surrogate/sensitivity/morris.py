@@ -11,7 +11,7 @@ from surrogate.errors import StudyError
 from surrogate.sensitivity.model import model, require_at_least
 from surrogate.sensitivity.table import Q2_NEEDED
 from surrogate.sensitivity.unit_cube import Method, measured, problem
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 def morris(fit, space: Space, *, seed=0, confidence: float = 0.95, trajectories: int = 64,

@@ -20,7 +20,7 @@ import xarray as xr
 from surrogate.errors import StudyError
 from surrogate.sensitivity.model import model, rests
 from surrogate.sensitivity.table import Q2_NEEDED, dataset
-from surrogate.space import Parameter, Space
+from surrogate.space.space import Parameter, Space
 
 THRESHOLD = 0.93
 #: Coded ends of an unbounded parameter: its 2.5 and 97.5 percentiles.

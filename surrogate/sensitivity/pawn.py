@@ -10,7 +10,7 @@ from surrogate.sensitivity.model import model, require_at_least
 from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
 from surrogate.sensitivity.unit_cube import Method, measured, problem
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 def pawn(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**12,

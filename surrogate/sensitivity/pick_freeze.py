@@ -36,7 +36,7 @@ from scipy import stats
 from scipy.stats import qmc
 
 from surrogate.sensitivity.model import require_at_least
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 Predict = Callable[[np.ndarray], np.ndarray]
 Groups = Sequence[Sequence[int]]

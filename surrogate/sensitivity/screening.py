@@ -13,7 +13,7 @@ from surrogate.errors import StudyError, nearest
 from surrogate.sensitivity.frozen import VarianceKept, variance_kept
 from surrogate.sensitivity.model import Model, model
 from surrogate.sensitivity.one_at_a_time import base_point, one_at_a_time, quantity
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from surrogate.sensitivity.pick_freeze import (
     unit_blocks,
 )
 from surrogate.sensitivity.table import Q2_NEEDED, Estimate, dataset
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 ALL_SUBSETS = 8
 #: Random orders a scrambling, each with its reverse, above `ALL_SUBSETS` inputs.

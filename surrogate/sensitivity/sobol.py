@@ -10,7 +10,7 @@ from surrogate.sensitivity.groups import Named, knows_groups, numbers
 from surrogate.sensitivity.model import Model, model, require_independent
 from surrogate.sensitivity.pick_freeze import pick_freeze
 from surrogate.sensitivity.table import Q2_NEEDED, Estimate, dataset
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 #: Names of the indices, in the order in which tuples of them are passed about.
 INDICES = ("first_order", "total", "second_order")

@@ -25,7 +25,7 @@ from surrogate.sensitivity.model import (
     rests,
 )
 from surrogate.sensitivity.table import Estimate, dataset
-from surrogate.space import Space
+from surrogate.space.space import Space
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from scipy import stats
 from sklearn.ensemble import RandomForestRegressor
 
 from surrogate.comparison import COLUMNS, best, compare, nested_tests, paired_test
-from surrogate.distributions import uniform
 from surrogate.fitting import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 SPACE = Space(tuple(Parameter(name, uniform(0, 1)) for name in ("a", "b", "c")))
 MODELS = {"linear": Linear(), "quadratic": Quadratic(), "gp": GaussianProcess()}

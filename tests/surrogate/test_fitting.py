@@ -14,11 +14,11 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVR
 
 from surrogate import fitting
-from surrogate.distributions import uniform
 from surrogate.errors import FitError
 from surrogate.fitting import Fit, fit
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 NUMERIC = Space(tuple(Parameter(name, uniform(0, 1)) for name in ("a", "b", "c")))
 LEVELS = Space((Parameter("a", uniform(0, 1)), Parameter("cloth", levels=("p", "q", "r"))))

@@ -19,7 +19,7 @@ from surrogate.report.drawing import (
     text,
     width_of,
 )
-from surrogate.space import Parameter, Space
+from surrogate.space.space import Parameter, Space
 
 #: Up to this many parameters every pair has room for a panel.
 PAIRS = 7

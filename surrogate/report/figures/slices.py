@@ -20,7 +20,7 @@ from surrogate.report.drawing import (
     text,
 )
 from surrogate.report.parity import mean_over_points, predictions
-from surrogate.space import Parameter, Space
+from surrogate.space.space import Parameter, Space
 
 WIDTH, HEIGHT, POINTS = 250.0, 190.0, 41
 

@@ -7,7 +7,7 @@ import numpy as np
 from surrogate.report import digits
 from surrogate.report.blocks import Cell, Section, Table, Text, heads
 from surrogate.report.content import Content
-from surrogate.space import Parameter
+from surrogate.space.space import Parameter
 
 
 def section(content: Content) -> Section:

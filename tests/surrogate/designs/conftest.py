@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from surrogate.distributions import distribution, uniform
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 LETTERS = "ABCDEFGHJKLMNOPQRSTUVWXYZ"
 

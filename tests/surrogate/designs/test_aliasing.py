@@ -7,8 +7,8 @@ from surrogate.designs.fractional_factorial import fractional_factorial
 from surrogate.designs.full_factorial import full_factorial
 from surrogate.designs.latin_hypercube import latin_hypercube
 from surrogate.designs.plackett_burman import plackett_burman
-from surrogate.distributions import uniform
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 
 def test_table_names_three_interactions_for_each_main_effect(cube):

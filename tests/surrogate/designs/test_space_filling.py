@@ -8,9 +8,9 @@ from scipy.stats import qmc, spearmanr
 from surrogate.designs.halton import halton
 from surrogate.designs.latin_hypercube import latin_hypercube
 from surrogate.designs.sobol import sobol
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import DesignError
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 SEQUENCES = [sobol, halton]
 ALL = [sobol, halton, latin_hypercube]

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from surrogate.distributions import distribution, uniform
 from surrogate.regressors import anova
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 
 def of_products(coefficients, functions, space, order=40):

@@ -6,12 +6,12 @@ from scipy.stats import qmc
 from sklearn.utils.estimator_checks import check_estimator
 
 from surrogate.designs.columns import matrix as two_level
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import FitError
 from surrogate.regressors.chaos import PolynomialChaos, best_count, pursue
 from surrogate.regressors.orthogonal import basis, hyperbolic
 from surrogate.regressors.polynomial import Quadratic
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 LAWS = {"uniform": uniform(2, 5),
         "normal": distribution("normal", mean=0, std=1),

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from surrogate.distributions import uniform
 from surrogate.fitting import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 
 def test_indices_of_a_field_are_those_of_its_places_weighted_by_variance():

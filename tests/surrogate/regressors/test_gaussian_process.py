@@ -8,10 +8,10 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 from sklearn.utils.estimator_checks import check_estimator
 
-from surrogate.distributions import distribution, uniform
 from surrogate.regressors import matern
 from surrogate.regressors.gaussian_process import GaussianProcess
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 NUMERIC = Space(tuple(Parameter(name, uniform(0, 1)) for name in ("a", "b", "c")))
 

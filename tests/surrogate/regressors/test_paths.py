@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from surrogate.distributions import distribution, uniform
 from surrogate.regressors import paths
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.matern import correlation
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 NUMERIC = Space(tuple(Parameter(name, uniform(0, 1)) for name in "abcde"))
 MIXED = Space((Parameter("a", uniform(0, 1)), Parameter("cloth", levels=("p", "q", "r")),

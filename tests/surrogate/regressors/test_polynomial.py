@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from sklearn.utils.estimator_checks import check_estimator
 
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import FitError
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 MIXED = Space((Parameter("tension", uniform(0.05, 0.14), unit="N/mm"),
                Parameter("bandage", levels=("a", "b", "c")),

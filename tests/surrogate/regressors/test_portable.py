@@ -6,14 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import FitError
 from surrogate.fitting import fit
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.regressors.selection import Stepwise
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 SPACE = Space((
     Parameter("tension", uniform(0.05, 0.14), unit="N/mm"),

@@ -5,12 +5,12 @@ import pytest
 from sklearn.utils.estimator_checks import check_estimator
 
 from surrogate.designs.fractional_factorial import fractional_factorial
-from surrogate.distributions import uniform
 from surrogate.fitting import fit
 from surrogate.regressors.polynomial import Quadratic
 from surrogate.regressors.selection import SELECTED, Lasso, Stepwise
 from surrogate.sensitivity.sobol import sobol
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 SPACE = Space(tuple(Parameter(name, uniform(0, 1)) for name in "abcdef"))
 LEVELS = Space((Parameter("a", uniform(0, 1)), Parameter("cloth", levels=("p", "q", "r")),

@@ -11,11 +11,11 @@ import xarray as xr
 from surrogate import fitting
 from surrogate.comparison import compare
 from surrogate.designs.aliasing import aliasing
-from surrogate.distributions import distribution, uniform
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.report import Content
 from surrogate.sensitivity.screening import decide
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 BANDAGE = (("mu_skin", 0.1, 0.3, ""), ("tension", 0.059, 0.137, "N/mm"),
            ("leg_length", 184.86, 290.43, "mm"), ("alpha1", -0.92, -0.503, ""),

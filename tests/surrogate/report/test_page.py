@@ -11,9 +11,9 @@ import pytest
 from reader import read
 
 from surrogate import report
-from surrogate.distributions import uniform
 from surrogate.report import Content
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 ADDRESSES = ("src", "href", "xlink:href", "action", "data", "poster", "srcset", "formaction")
 

@@ -11,14 +11,14 @@ import pytest
 import xarray as xr
 from misbehaving import WAYS, Misbehaving, Noise
 
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution import execute
 from surrogate.runs import dataset as rundata
 from surrogate.runs.identity import Recipe, calls, keys
 from surrogate.runs.journal import Contents, Record, read
 from surrogate.solver import Output
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 SPACE = Space((Parameter("x", uniform(0.0, 4.0), unit="mm", description="width of a bandage"),
                Parameter("way", levels=("well", "raise", "hang"))))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from solvers.textbook import Borehole, Ishigami, Piston, SobolG
-from surrogate.distributions import uniform
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "sobol_indices.json")
                        .read_text(encoding="utf-8"))

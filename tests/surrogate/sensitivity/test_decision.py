@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from sklearn.linear_model import LinearRegression
 
-from surrogate.distributions import uniform
 from surrogate.errors import StudyError
 from surrogate.fitting import fit
 from surrogate.regressors.polynomial import Linear, Quadratic
@@ -16,7 +15,8 @@ from surrogate.sensitivity.morris import morris
 from surrogate.sensitivity.screening import decide
 from surrogate.sensitivity.sobol import sobol
 from surrogate.sensitivity.table import combine
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 SMALL = {"samples": 2**10, "draws": 20}
 

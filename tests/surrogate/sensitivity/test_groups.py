@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from surrogate.distributions import uniform
 from surrogate.errors import StudyError
 from surrogate.fitting import fit
 from surrogate.regressors.chaos import PolynomialChaos
@@ -13,7 +12,8 @@ from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Quadratic
 from surrogate.sensitivity.shapley import shapley
 from surrogate.sensitivity.sobol import sobol
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 SPACE = Space(tuple(Parameter(name, uniform(-1.0, 1.0)) for name in "abcd"))
 GROUPS = {"one": ["a", "b"], "two": ["c"]}

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import StudyError
 from surrogate.sensitivity.one_at_a_time import kept_by_rule, main_effects, one_at_a_time
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 
 def unit_space(*names):

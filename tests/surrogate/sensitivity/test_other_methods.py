@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from sklearn.ensemble import RandomForestRegressor
 
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import StudyError
 from surrogate.fitting import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.sensitivity.dgsm import dgsm
 from surrogate.sensitivity.morris import morris
 from surrogate.sensitivity.pawn import pawn
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 METHODS = [morris, dgsm, pawn]
 SMALL = {morris: {}, dgsm: {"samples": 128}, pawn: {"samples": 256, "slices": 8}}

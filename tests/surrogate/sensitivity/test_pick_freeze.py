@@ -5,11 +5,11 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import StudyError
 from surrogate.sensitivity import pick_freeze as module
 from surrogate.sensitivity.pick_freeze import pick_freeze
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 NAMES = ("first_order", "total", "second_order")
 UNIT = Space(tuple(Parameter(f"x{i}", uniform(-1.0, 1.0)) for i in range(3)))

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from scipy.special import ndtri
 
-from surrogate.distributions import distribution, uniform
 from surrogate.fitting import fit
 from surrogate.regressors.anova import SobolIndices
 from surrogate.regressors.chaos import PolynomialChaos
@@ -16,7 +15,8 @@ from surrogate.regressors.polynomial import Quadratic
 from surrogate.sensitivity import shapley as module
 from surrogate.sensitivity.conditional import Pairs
 from surrogate.sensitivity.shapley import shapley
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 
 def gaussian_space(correlation):

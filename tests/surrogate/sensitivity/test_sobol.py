@@ -6,14 +6,14 @@ from sklearn.ensemble import RandomForestRegressor
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF
 
-from surrogate.distributions import uniform
 from surrogate.errors import StudyError
 from surrogate.fitting import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.sensitivity.sobol import sobol, worst_case
 from surrogate.sensitivity.table import combine
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 INDICES = ("first_order", "total", "second_order")
 PARTS = ("", "_low", "_high", "_sampling", "_surrogate")

@@ -2,8 +2,8 @@
 
 import pytest
 
-from surrogate import units
 from surrogate.errors import StudyError
+from surrogate.space import units
 
 
 @pytest.mark.parametrize("value, unit, target, answer", [

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from scipy import special
 
-from surrogate.distributions import Distribution
 from surrogate.errors import StudyError, nearest
+from surrogate.space.distributions import Distribution
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from surrogate.distributions import distribution, uniform
 from surrogate.errors import StudyError
-from surrogate.space import Parameter, Space
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
 
 LAWS = {
     "uniform": uniform(0.059, 0.137),
