@@ -21,7 +21,7 @@ def __getattr__(name: str) -> Any:
     # On demand (PEP 562): solvers in worker processes import surrogate.solver and need none
     # of the packages that Study brings.
     if name == "Study":
-        from surrogate.study import Study
+        from surrogate.study.study import Study
         return Study
     if name == "__version__":
         from importlib.metadata import version

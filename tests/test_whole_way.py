@@ -14,8 +14,9 @@ import pytest
 import xarray as xr
 import yaml
 
-from surrogate import Study, studyfile
-from surrogate.source import read_text
+from surrogate import Study
+from surrogate.study import file as studyfile
+from surrogate.study.source import read_text
 
 ROOT = Path(__file__).parent.parent
 STUDIES = sorted((ROOT / "studies").glob("*.yaml"))

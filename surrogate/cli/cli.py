@@ -16,11 +16,13 @@ import typer
 from rich.console import Console
 from typer.core import TyperGroup
 
-from surrogate import __version__, starting, studyfile
+from surrogate import __version__
 from surrogate.cli import results, terminal
 from surrogate.cli.progress import RunsBar
 from surrogate.errors import DesignError, PluginError, StudyError, SurrogateError
-from surrogate.study import Study
+from surrogate.study import file as studyfile
+from surrogate.study import template as starting
+from surrogate.study.study import Study
 
 
 class _Verbs(TyperGroup):

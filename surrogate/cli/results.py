@@ -27,11 +27,11 @@ import xarray as xr
 from surrogate.cases import Cases
 from surrogate.errors import FitError, ResultsError, StudyError, SurrogateError
 from surrogate.execution import Progress
-from surrogate.reduction import reduced_text
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
 from surrogate.runs.files import write_text
-from surrogate.study import Fits, Study
+from surrogate.study.reduction import reduced_text
+from surrogate.study.study import Fits, Study
 
 REPORT, SUMMARY, RUNS = "report.html", "summary.json", "runs.nc"
 #: Datasets that follow from the runs: those that a study does not ask for are not there.

@@ -14,14 +14,14 @@ import xarray as xr
 from rich.console import Console
 from rich.table import Table
 
-from surrogate import plugins, prediction
 from surrogate.cli.progress import duration
 from surrogate.cli.results import Outcome, figures_of
 from surrogate.cli.results import store as store_runs
 from surrogate.cli.results import validate as validate_with
 from surrogate.execution import interrupted
 from surrogate.runs import dataset as rundata
-from surrogate.study import Study
+from surrogate.study import plugins, prediction
+from surrogate.study.study import Study
 
 
 @dataclass(frozen=True)

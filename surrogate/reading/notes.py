@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from surrogate import studyfile
 from surrogate.errors import DesignError, PluginError, StudyError
-from surrogate.source import Source
-from surrogate.studyfile import StudyPart
+from surrogate.study import file as studyfile
+from surrogate.study.file import StudyPart
+from surrogate.study.source import Source
 
 
 @dataclass

@@ -7,16 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from surrogate import plugins, studyfile
 from surrogate.errors import StudyError, nearest
-from surrogate.plugins import SolverFactory
 from surrogate.reading.notes import Reading
 from surrogate.runs import dataset as runs
 from surrogate.runs.identity import Recipe
 from surrogate.solver import Input, Output, Solver
 from surrogate.space import distributions, units
 from surrogate.space.space import Parameter, Space
-from surrogate.studyfile import ParameterPart, SolverPart
+from surrogate.study import file as studyfile
+from surrogate.study import plugins
+from surrogate.study.file import ParameterPart, SolverPart
+from surrogate.study.plugins import SolverFactory
 
 #: Parameters of a solver's constructor that the framework fills in; they are not options.
 GIVEN_TO_SOLVERS = ("self", "folder")

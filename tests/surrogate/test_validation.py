@@ -10,7 +10,7 @@ from surrogate.agreement import agreement
 from surrogate.cli import results
 from surrogate.errors import StudyError
 from surrogate.runs import dataset as rundata
-from surrogate.study import Study
+from surrogate.study.study import Study
 
 TEXT = """\
 study: checked

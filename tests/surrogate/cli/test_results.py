@@ -9,7 +9,7 @@ import pytest
 from surrogate.cli import results
 from surrogate.errors import ResultsError, SolverError
 from surrogate.solver import Input, Output
-from surrogate.study import Study
+from surrogate.study.study import Study
 
 STUDY = {"study": "kept", "solver": "borehole",
          "parameters": {"rw": [0.05, 0.15], "L": [1120, 1680]},

@@ -15,7 +15,7 @@ from surrogate.execution import interrupted
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored
 from surrogate.runs.journal import read
-from surrogate.study import Study
+from surrogate.study.study import Study
 
 TEXT = """\
 study: shipped

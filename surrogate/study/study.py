@@ -13,14 +13,13 @@ import numpy as np
 import xarray as xr
 
 from surrogate import comparison as comparing
-from surrogate import fitting, reading, studyfile
+from surrogate import fitting, reading
 from surrogate.cases import Cases, from_runs
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
 from surrogate.errors import FitError, PluginError, StudyError
 from surrogate.execution import Progress, cores, execute, execute_fresh
 from surrogate.fitting import Fit
-from surrogate.plugins import call, parameters_of
 from surrogate.reading import Reading, SensitivityMethod, Surrogate
 from surrogate.report import Content, Page, build
 from surrogate.runs import dataset as rundata
@@ -31,9 +30,11 @@ from surrogate.runs.stored import Given, Known, StoredRuns
 from surrogate.sensitivity.screening import Screening, decide
 from surrogate.sensitivity.table import combine
 from surrogate.solver import Output
-from surrogate.source import Source, read_file, read_text, write_yaml
 from surrogate.space.space import Space
-from surrogate.studyfile import ExecutionPart, ScreeningPart
+from surrogate.study import file as studyfile
+from surrogate.study.file import ExecutionPart, ScreeningPart
+from surrogate.study.plugins import call, parameters_of
+from surrogate.study.source import Source, read_file, read_text, write_yaml
 from surrogate.validation import Validation, fixed_inputs, outputs_in
 from surrogate.validation import validate as compare_with_cases
 

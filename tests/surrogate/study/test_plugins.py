@@ -7,9 +7,9 @@ import sys
 import numpy as np
 import pytest
 
-from surrogate import plugins
 from surrogate.errors import PluginError, StudyError
-from surrogate.study import Study
+from surrogate.study import plugins
+from surrogate.study.study import Study
 
 MODULE = '''
 import numpy as np

@@ -3,7 +3,7 @@
 import pytest
 
 from surrogate.errors import StudyError
-from surrogate.source import read_text
+from surrogate.study.source import read_text
 
 
 def test_numbers_and_words_follow_yaml_1_2():

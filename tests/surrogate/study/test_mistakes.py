@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from surrogate.errors import StudyError
-from surrogate.study import Study
+from surrogate.study.study import Study
 
 SOUND = """\
 study: demo

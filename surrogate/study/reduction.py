@@ -6,8 +6,8 @@ from collections.abc import Container
 from typing import Any
 
 from surrogate.sensitivity.screening import Screening
-from surrogate.source import read_text, write_yaml
-from surrogate.study import Study
+from surrogate.study.source import read_text, write_yaml
+from surrogate.study.study import Study
 
 
 def reduced_text(study: Study, screening: Screening) -> str:

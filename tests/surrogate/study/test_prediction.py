@@ -9,8 +9,8 @@ from sklearn.base import BaseEstimator, RegressorMixin
 
 from surrogate.cli import cli
 from surrogate.errors import FitError, StudyError
-from surrogate.prediction import predict
-from surrogate.study import Study
+from surrogate.study.prediction import predict
+from surrogate.study.study import Study
 
 
 class Never(RegressorMixin, BaseEstimator):

@@ -13,7 +13,7 @@ import xarray as xr
 from surrogate.cases import Cases, read_csv
 from surrogate.errors import FitError, ResultsError, StudyError, nearest
 from surrogate.space.space import Space
-from surrogate.study import Fits, Study
+from surrogate.study.study import Fits, Study
 
 
 @dataclass(frozen=True)
