@@ -1,7 +1,7 @@
 """The shape of a study file: which keys it has and what kind of value each takes.
 
 `surrogate schema` prints it as JSON Schema. Whether names exist, units convert
-and ranges hold is decided in `surrogate.reading`, where names become objects.
+and ranges hold is decided in `surrogate.study.reading`, where names become objects.
 """
 
 from __future__ import annotations

@@ -13,14 +13,13 @@ import numpy as np
 import xarray as xr
 
 from surrogate import comparison as comparing
-from surrogate import fitting, reading
+from surrogate import fitting
 from surrogate.cases import Cases, from_runs
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
 from surrogate.errors import FitError, PluginError, StudyError
 from surrogate.execution import Progress, cores, execute, execute_fresh
 from surrogate.fitting import Fit
-from surrogate.reading import Reading, SensitivityMethod, Surrogate
 from surrogate.report import Content, Page, build
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
@@ -32,8 +31,10 @@ from surrogate.sensitivity.table import combine
 from surrogate.solver import Output
 from surrogate.space.space import Space
 from surrogate.study import file as studyfile
+from surrogate.study import reading
 from surrogate.study.file import ExecutionPart, ScreeningPart
 from surrogate.study.plugins import call, parameters_of
+from surrogate.study.reading import Reading, SensitivityMethod, Surrogate
 from surrogate.study.source import Source, read_file, read_text, write_yaml
 from surrogate.validation import Validation, fixed_inputs, outputs_in
 from surrogate.validation import validate as compare_with_cases

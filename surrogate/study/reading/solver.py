@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from surrogate.errors import StudyError, nearest
-from surrogate.reading.notes import Reading
 from surrogate.runs import dataset as runs
 from surrogate.runs.identity import Recipe
 from surrogate.solver import Input, Output, Solver
@@ -18,6 +17,7 @@ from surrogate.study import file as studyfile
 from surrogate.study import plugins
 from surrogate.study.file import ParameterPart, SolverPart
 from surrogate.study.plugins import SolverFactory
+from surrogate.study.reading.notes import Reading
 
 #: Parameters of a solver's constructor that the framework fills in; they are not options.
 GIVEN_TO_SOLVERS = ("self", "folder")

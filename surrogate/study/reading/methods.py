@@ -13,12 +13,12 @@ import numpy as np
 from surrogate.designs.design import Design
 from surrogate.errors import PluginError, StudyError, nearest
 from surrogate.fitting import minimum_runs
-from surrogate.reading.notes import Reading
 from surrogate.sensitivity import groups as grouping
 from surrogate.space.space import Space
 from surrogate.study import file as studyfile
 from surrogate.study import plugins
 from surrogate.study.file import DesignPart, SurrogatePart
+from surrogate.study.reading.notes import Reading
 
 #: Parameters of plug-ins that the framework fills in; they are not options.
 GIVEN_TO_DESIGNS = ("space", "coded", "folder")

@@ -1,6 +1,6 @@
 """From the words of a study to the objects they name; every mistake at once."""
 
-from surrogate.reading.methods import (
+from surrogate.study.reading.methods import (
     SensitivityMethod,
     Surrogate,
     check_screening,
@@ -8,10 +8,10 @@ from surrogate.reading.methods import (
     sensitivity_of,
     surrogates_of,
 )
-from surrogate.reading.notes import Reading, sentences
-from surrogate.reading.runs import stored_of
-from surrogate.reading.solver import constants_of, outputs_of, solver_of, space_of
-from surrogate.reading.validation import cases_at, check_cases, validation_of
+from surrogate.study.reading.notes import Reading, sentences
+from surrogate.study.reading.runs import stored_of
+from surrogate.study.reading.solver import constants_of, outputs_of, solver_of, space_of
+from surrogate.study.reading.validation import cases_at, check_cases, validation_of
 
 __all__ = ["Reading", "SensitivityMethod", "Surrogate", "cases_at", "check_cases",
            "check_screening", "constants_of", "designs_of", "outputs_of", "sensitivity_of",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from surrogate.reading.notes import Reading
 from surrogate.runs import stored
 from surrogate.runs.stored import StoredRuns
+from surrogate.study.reading.notes import Reading
 
 
 def stored_of(reading: Reading) -> tuple[StoredRuns, ...]:
