@@ -21,7 +21,7 @@ from SALib.sample import sobol as salib_sample
 from sklearn.ensemble import RandomForestRegressor
 
 from solvers.textbook import Borehole, Ishigami, Piston, SobolG
-from surrogate.fitting import fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.sensitivity.draws import Measure, spread

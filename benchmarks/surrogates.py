@@ -24,7 +24,7 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
 from solvers.textbook import Borehole, Ishigami, OTLCircuit, Piston
-from surrogate.fitting import q2
+from surrogate.fitting.fit import q2
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Linear, Quadratic

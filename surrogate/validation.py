@@ -12,7 +12,7 @@ import xarray as xr
 from surrogate.agreement import FIGURES, agreement
 from surrogate.cases import Cases
 from surrogate.errors import SolverError
-from surrogate.fitting import Fit
+from surrogate.fitting.fit import Fit
 from surrogate.runs.identity import Recipe, calls
 from surrogate.solver import Solver
 from surrogate.space import units

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.designs.aliasing import Aliasing
-from surrogate.fitting import Fit
+from surrogate.fitting.fit import Fit
 from surrogate.runs.dataset import RESERVED_NAMES
 from surrogate.sensitivity.screening import Screening
 from surrogate.space.space import Space

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surrogate.fitting import Fit
+from surrogate.fitting.fit import Fit
 from surrogate.report.content import Content
 
 

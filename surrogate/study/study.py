@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate import comparison as comparing
-from surrogate import fitting
 from surrogate.cases import Cases, from_runs
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
 from surrogate.errors import FitError, PluginError, StudyError
 from surrogate.execution import Progress, cores, execute, execute_fresh
-from surrogate.fitting import Fit
+from surrogate.fitting import comparison as comparing
+from surrogate.fitting import fit as fitting
+from surrogate.fitting.fit import Fit
 from surrogate.report import Content, Page, build
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from markupsafe import Markup
 
-from surrogate.fitting import Fit
+from surrogate.fitting.fit import Fit
 from surrogate.report import digits
 from surrogate.report.drawing import (
     Panel,

@@ -12,7 +12,7 @@ import numpy as np
 
 from surrogate.designs.design import Design
 from surrogate.errors import PluginError, StudyError, nearest
-from surrogate.fitting import minimum_runs
+from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
 from surrogate.space.space import Space
 from surrogate.study import file as studyfile

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surrogate.fitting import fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions
 from surrogate.space.distributions import uniform

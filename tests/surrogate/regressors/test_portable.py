@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from surrogate.errors import FitError
-from surrogate.fitting import fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic

@@ -5,7 +5,7 @@ import pytest
 from sklearn.utils.estimator_checks import check_estimator
 
 from surrogate.designs.fractional_factorial import fractional_factorial
-from surrogate.fitting import fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.polynomial import Quadratic
 from surrogate.regressors.selection import SELECTED, Lasso, Stepwise
 from surrogate.sensitivity.sobol import sobol

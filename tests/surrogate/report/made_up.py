@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from surrogate import fitting
-from surrogate.comparison import compare
 from surrogate.designs.aliasing import aliasing
+from surrogate.fitting import fit as fitting
+from surrogate.fitting.comparison import compare
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.report import Content
 from surrogate.sensitivity.screening import decide

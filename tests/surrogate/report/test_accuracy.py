@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 from reader import read
 
-from surrogate import fitting, report
-from surrogate.comparison import compare
+from surrogate import report
+from surrogate.fitting import fit as fitting
+from surrogate.fitting.comparison import compare
 from surrogate.regressors.polynomial import Linear
 from surrogate.report.figures.accuracy import accuracy_plot
 from surrogate.report.sections.accuracy import blocks

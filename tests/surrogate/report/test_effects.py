@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surrogate import fitting
+from surrogate.fitting import fit as fitting
 from surrogate.regressors.polynomial import Linear
 from surrogate.regressors.regression import nested
 from surrogate.report import digits

@@ -7,7 +7,7 @@ import pytest
 from sklearn.linear_model import LinearRegression
 
 from surrogate.errors import StudyError
-from surrogate.fitting import fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.polynomial import Linear, Quadratic
 from surrogate.sensitivity.frozen import variance_kept
 from surrogate.sensitivity.model import model

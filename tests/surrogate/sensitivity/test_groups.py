@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surrogate.errors import StudyError
-from surrogate.fitting import fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Quadratic

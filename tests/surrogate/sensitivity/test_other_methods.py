@@ -5,7 +5,7 @@ import pytest
 from sklearn.ensemble import RandomForestRegressor
 
 from surrogate.errors import StudyError
-from surrogate.fitting import fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.sensitivity.dgsm import dgsm
 from surrogate.sensitivity.morris import morris

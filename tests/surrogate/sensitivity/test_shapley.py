@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtri
 
-from surrogate.fitting import fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.anova import SobolIndices
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess

@@ -7,7 +7,7 @@ from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import RBF
 
 from surrogate.errors import StudyError
-from surrogate.fitting import fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.sensitivity.sobol import sobol, worst_case

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 from scipy import stats
 
-from surrogate.fitting import Fit, q2, rmse
+from surrogate.fitting.fit import Fit, q2, rmse
 from surrogate.regressors.field import Field
 from surrogate.regressors.polynomial import Polynomial
 from surrogate.regressors.regression import Nested, nested

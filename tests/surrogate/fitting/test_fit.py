@@ -13,9 +13,9 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVR
 
-from surrogate import fitting
 from surrogate.errors import FitError
-from surrogate.fitting import Fit, fit
+from surrogate.fitting import fit as fitting
+from surrogate.fitting.fit import Fit, fit
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space

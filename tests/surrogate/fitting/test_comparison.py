@@ -6,8 +6,8 @@ import xarray as xr
 from scipy import stats
 from sklearn.ensemble import RandomForestRegressor
 
-from surrogate.comparison import COLUMNS, best, compare, nested_tests, paired_test
-from surrogate.fitting import fit
+from surrogate.fitting.comparison import COLUMNS, best, compare, nested_tests, paired_test
+from surrogate.fitting.fit import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.space.distributions import uniform
