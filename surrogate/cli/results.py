@@ -24,7 +24,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate.cases import Cases
 from surrogate.errors import FitError, ResultsError, StudyError, SurrogateError
 from surrogate.execution import Progress
 from surrogate.runs import dataset as rundata
@@ -32,6 +31,7 @@ from surrogate.runs import stored as storing
 from surrogate.runs.files import write_text
 from surrogate.study.reduction import reduced_text
 from surrogate.study.study import Fits, Study
+from surrogate.validation.cases import Cases
 
 REPORT, SUMMARY, RUNS = "report.html", "summary.json", "runs.nc"
 #: Datasets that follow from the runs: those that a study does not ask for are not there.

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate.cases import Cases, read_csv
 from surrogate.errors import FitError, ResultsError, StudyError, nearest
 from surrogate.space.space import Space
 from surrogate.study.study import Fits, Study
+from surrogate.validation.cases import Cases, read_csv
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate.cases import Cases, from_runs
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
 from surrogate.errors import FitError, PluginError, StudyError
@@ -36,8 +35,9 @@ from surrogate.study.file import ExecutionPart, ScreeningPart
 from surrogate.study.plugins import call, parameters_of
 from surrogate.study.reading import Reading, SensitivityMethod, Surrogate
 from surrogate.study.source import Source, read_file, read_text, write_yaml
-from surrogate.validation import Validation, fixed_inputs, outputs_in
-from surrogate.validation import validate as compare_with_cases
+from surrogate.validation.cases import Cases, from_runs
+from surrogate.validation.validation import Validation, fixed_inputs, outputs_in
+from surrogate.validation.validation import validate as compare_with_cases
 
 Fits = Mapping[str, Mapping[str, Fit]]
 

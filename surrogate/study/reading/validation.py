@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from surrogate.cases import Cases, header, lacking, read_csv, read_runs
 from surrogate.errors import StudyError, nearest
 from surrogate.runs.identity import Recipe
 from surrogate.solver import Output, Solver
 from surrogate.space.space import Space
 from surrogate.study.reading.notes import Reading
 from surrogate.study.reading.solver import solver_of
-from surrogate.validation import Validation, constants_for, fixed_inputs, outputs_in
+from surrogate.validation.cases import Cases, header, lacking, read_csv, read_runs
+from surrogate.validation.validation import Validation, constants_for, fixed_inputs, outputs_in
 
 ReadStudy = Callable[[Path], Any]
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from surrogate.agreement import FIGURES, agreement
+from surrogate.validation.agreement import FIGURES, agreement
 
 #: Bland and Altman 1986, Table 1: peak expiratory flow rate (l/min), first measurements.
 WRIGHT = np.array([494, 395, 516, 434, 476, 557, 413, 442, 650, 433, 417, 656, 267, 478, 178,

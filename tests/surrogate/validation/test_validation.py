@@ -6,11 +6,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from surrogate.agreement import agreement
 from surrogate.cli import results
 from surrogate.errors import StudyError
 from surrogate.runs import dataset as rundata
 from surrogate.study.study import Study
+from surrogate.validation.agreement import agreement
 
 TEXT = """\
 study: checked

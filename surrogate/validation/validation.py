@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate.agreement import FIGURES, agreement
-from surrogate.cases import Cases
 from surrogate.errors import SolverError
 from surrogate.fitting.fit import Fit
 from surrogate.runs.identity import Recipe, calls
 from surrogate.solver import Solver
 from surrogate.space import units
 from surrogate.space.space import Parameter, Space
+from surrogate.validation.agreement import FIGURES, agreement
+from surrogate.validation.cases import Cases
 
 CONFIDENCE = 0.95
 DEFINITIONS = (
@@ -78,7 +78,7 @@ def validate(space: Space, fits: Mapping[str, Mapping[str, Fit]], cases: Cases,
     figure is drawn from them; `inside` and `outside` tell which they are, and why.
 
     Dimensions `case`, `output`, `model`, and a variable for each of
-    `surrogate.agreement.FIGURES`. Raises `StudyError` for cells that are not understood.
+    `surrogate.validation.agreement.FIGURES`. Raises `StudyError` for cells that are not understood.
     """
     columns = cases.inputs({p.name: p for p in space.parameters})
     why = _outside(space, columns)
