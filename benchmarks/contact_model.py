@@ -20,7 +20,7 @@ COLUMNS = ("mesh", "linear_solver", "unknowns", "steps", "iterations", "cut_back
 
 def measure(mesh: str, solver: str, inputs: dict[str, float]) -> dict[str, float | str]:
     """One run in this process: a row of the table."""
-    from solvers.leg_bandage.plugin import LegBandage
+    from surrogate_solvers.leg_bandage.plugin import LegBandage
 
     result = LegBandage(mesh=mesh, linear_solver=solver).run(**inputs)
     problem, values = result.model.problem, result.values

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.verification.grid_refinement import observed_order, refined
-from solvers.leg_bandage.verification.legs import named
-from solvers.leg_bandage.verification.sweeps import Case, solve_all
+from surrogate_solvers.leg_bandage.verification.grid_refinement import observed_order, refined
+from surrogate_solvers.leg_bandage.verification.legs import named
+from surrogate_solvers.leg_bandage.verification.sweeps import Case, solve_all
 
 READ = {"pressure_b1": "mmHg", "pressure_ankle": "mmHg", "pressure_calf": "mmHg",
         "stretch_midline": "-"}

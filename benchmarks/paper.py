@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.cohort import load_cohort
 from surrogate import Study
 from surrogate.sensitivity.one_at_a_time import main_effects
+from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
 
 STUDIES = Path(__file__).parent.parent / "studies"
 TABLE_3 = {"1": 32.73, "mu_skin": 2.70, "tension": 11.54, "leg_length": 2.85, "alpha1": 4.54,

@@ -22,11 +22,11 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.verification.legs import most_conical, named, shape_ranges
-from solvers.leg_bandage.verification.sweeps import Case, solve_all
 from surrogate.designs.latin_hypercube import latin_hypercube
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
+from surrogate_solvers.leg_bandage.verification.legs import most_conical, named, shape_ranges
+from surrogate_solvers.leg_bandage.verification.sweeps import Case, solve_all
 
 TABLE_2 = {"mu_skin": (0.1, 0.3), "tension": (0.059, 0.137), **shape_ranges()}
 TABLE_1 = {"mu_skin": (0.1, 0.3), "mu_bandage": (0.5, 0.7), "tension": (0.059, 0.137),

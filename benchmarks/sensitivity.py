@@ -20,7 +20,6 @@ from SALib.analyze import sobol as salib_analysis
 from SALib.sample import sobol as salib_sample
 from sklearn.ensemble import RandomForestRegressor
 
-from solvers.textbook import Borehole, Ishigami, Piston, SobolG
 from surrogate.fitting.fit import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
@@ -30,6 +29,7 @@ from surrogate.sensitivity.pick_freeze import pick_freeze, product_moments
 from surrogate.sensitivity.unit_cube import global_seed, problem
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
+from surrogate_solvers.textbook import Borehole, Ishigami, Piston, SobolG
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "reference" / "sobol_indices.json"
 SOLVERS = {"ishigami": Ishigami(), "sobol_g": SobolG(), "borehole": Borehole(), "piston": Piston()}

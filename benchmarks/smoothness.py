@@ -18,9 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.parameters import INPUTS
-from solvers.leg_bandage.verification.legs import shape_ranges
-from solvers.leg_bandage.verification.sweeps import Case, key_of, solve_all
+from surrogate_solvers.leg_bandage.parameters import INPUTS
+from surrogate_solvers.leg_bandage.verification.legs import shape_ranges
+from surrogate_solvers.leg_bandage.verification.sweeps import Case, key_of, solve_all
 
 RANGES = {"tension": (0.059, 0.137), **shape_ranges(), "overlap": (0.4, 0.6),
           "mu_skin": (0.1, 0.3), "stretch": (1.2, 1.4), "start_height": (-20.0, 10.0)}

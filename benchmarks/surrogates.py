@@ -23,13 +23,13 @@ from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
 from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
-from solvers.textbook import Borehole, Ishigami, OTLCircuit, Piston
 from surrogate.fitting.fit import q2
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Linear, Quadratic
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
+from surrogate_solvers.textbook import Borehole, Ishigami, OTLCircuit, Piston
 
 SOLVERS = {"piston (7 inputs)": Piston(), "borehole (8 inputs)": Borehole()}
 SMALL = SOLVERS | {"otl circuit (6 inputs)": OTLCircuit(), "ishigami (3 inputs)": Ishigami()}

@@ -10,10 +10,10 @@ from itertools import product
 
 import numpy as np
 
-from solvers.leg_bandage.outputs.outputs import MMHG
-from solvers.leg_bandage.verification.flat_patch import press, settlement_exactly
-from solvers.leg_bandage.verification.thick_cylinder import hooped_exactly
-from solvers.leg_bandage.verification.wound import (
+from surrogate_solvers.leg_bandage.outputs.outputs import MMHG
+from surrogate_solvers.leg_bandage.verification.flat_patch import press, settlement_exactly
+from surrogate_solvers.leg_bandage.verification.thick_cylinder import hooped_exactly
+from surrogate_solvers.leg_bandage.verification.wound_spiral import (
     band_on_cylinder,
     band_on_soft_tube,
     capstan,

@@ -14,20 +14,20 @@ from time import perf_counter
 
 import numpy as np
 
-from solvers.leg_bandage.algebra.system import System
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.products import NOMINAL
-from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.surfaces.surfaces import Strip
-from solvers.leg_bandage.tissue.mesh import leg_mesh, tube
-from solvers.leg_bandage.tissue.neo_hooke import Tissue
-from solvers.leg_bandage.verification.plates import (
+from surrogate_solvers.leg_bandage.algebra.system import System
+from surrogate_solvers.leg_bandage.bandage.fabric import Fabric
+from surrogate_solvers.leg_bandage.bandage.products import NOMINAL
+from surrogate_solvers.leg_bandage.bandage.shell import Shell
+from surrogate_solvers.leg_bandage.surfaces.surfaces import Strip
+from surrogate_solvers.leg_bandage.tissue.mesh import leg_mesh, tube
+from surrogate_solvers.leg_bandage.tissue.neo_hooke import Tissue
+from surrogate_solvers.leg_bandage.verification.plates import (
     cantilever,
     laid,
     off_axis_modulus,
     pinched_cylinder,
 )
-from solvers.leg_bandage.verification.thick_cylinder import (
+from surrogate_solvers.leg_bandage.verification.thick_cylinder import (
     hooped,
     hooped_exactly,
     pressed,

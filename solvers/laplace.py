@@ -13,12 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.geometry.feasibility import check_leg
-from solvers.leg_bandage.geometry.landmarks import RULES, Disc, sensor
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.parameters import TENSION, check_ranges, shapes_in
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Input, Output
+
+from .leg_bandage.geometry.feasibility import check_leg
+from .leg_bandage.geometry.landmarks import RULES, Disc, sensor
+from .leg_bandage.geometry.leg import Leg
+from .leg_bandage.parameters import TENSION, check_ranges, shapes_in
 
 MMHG = 1.33322e-4
 """MPa in 1 mmHg."""

@@ -4,7 +4,7 @@
 def main() -> None:
     """Load the command and run it; 130 when it is interrupted before it could start."""
     try:
-        from surrogate.cli.cli import main as command
+        from surrogate.cli.verbs import main as command
     except KeyboardInterrupt:
         raise SystemExit(130) from None
     command()

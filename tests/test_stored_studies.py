@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.cohort import load_cohort
-from solvers.leg_bandage.person import Reduced, predict_pressure, wear
-from solvers.leg_bandage.person.shape import both_ways
 from surrogate import Study
 from surrogate.runs.dataset import call_and_answer
+from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
+from surrogate_solvers.leg_bandage.prediction import Reduced, predict_pressure, wear
+from surrogate_solvers.leg_bandage.prediction.shape import both_ways
 
 ROOT = Path(__file__).parent.parent
 PERSON = ROOT / "solvers/leg_bandage/data/pressure.yaml"
@@ -65,7 +65,7 @@ def test_a_persons_interval_holds_what_finite_elements_give():
 
     The legs inside the ranges of the runs: 58 cases, of which 49 or fewer are inside with a
     chance of 1 in 450 if intervals are honest. A model that does not see the leg at all is 11 %
-    off (RMS), four modes alone 6.9 % (PERSON.md).
+    off (RMS), four modes alone 6.9 % (PREDICTION.md).
     """
     runs = Study.from_yaml(ROOT / "studies/bandage_patients.yaml").stored_runs[0].runs
     legs, reduced, errors, inside = load_cohort("val"), Reduced.read(), [], []

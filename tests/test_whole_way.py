@@ -316,7 +316,7 @@ def test_ctrl_c_while_the_command_loads_is_no_traceback():
         import sys
         class Impatient:
             def find_spec(self, name, *rest):
-                if name == "surrogate.cli.cli":
+                if name == "surrogate.cli.verbs":
                     raise KeyboardInterrupt
         sys.meta_path.insert(0, Impatient())
         from surrogate.__main__ import main

@@ -24,10 +24,10 @@ from scipy.spatial import ConvexHull
 from slicing import cut
 from wheel import open_wheel
 
-from solvers.leg_bandage.geometry import section
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.cohort import DATA, load_cohort
-from solvers.leg_bandage.geometry.leg import Leg
+from surrogate_solvers.leg_bandage.geometry import section
+from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
+from surrogate_solvers.leg_bandage.geometry.cohort import DATA, load_cohort
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
 
 REQUIREMENT = "myo-sim==0.2.4"
 MODEL_STATURE = 1700.0

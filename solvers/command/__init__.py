@@ -1,5 +1,5 @@
-"""Any external program as a solver: see `solvers.command.solver.Command`."""
+"""Any external program as a solver: see `surrogate_solvers.command.solver.Command`."""
 
-from solvers.command.solver import Command
+from .solver import Command
 
 __all__ = ["Command"]

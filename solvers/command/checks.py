@@ -7,8 +7,10 @@ import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
-from solvers.command import process, templates
-from solvers.command.options import (
+from surrogate.errors import StudyError, nearest
+
+from . import process, templates
+from .options import (
     UNITS,
     Csv,
     InputOptions,
@@ -21,7 +23,6 @@ from solvers.command.options import (
     program,
     seconds,
 )
-from surrogate.errors import StudyError, nearest
 
 
 def mistakes(options: Options, folder: Path, texts: Mapping[str, str]) -> Iterable[str]:

@@ -15,9 +15,10 @@ import numpy as np
 import pint
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from solvers.command import templates
 from surrogate.errors import StudyError, nearest
 from surrogate.solver import Input, Output
+
+from . import templates
 
 UNITS = pint.get_application_registry()
 

@@ -31,12 +31,13 @@ from typing import Any
 
 import numpy as np
 
-from solvers.command import checks, process, readers
-from solvers.command import options as settings
-from solvers.command import templates as placeholders
-from solvers.command.options import OutputOptions
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Input
+
+from . import checks, process, readers
+from . import options as settings
+from . import templates as placeholders
+from .options import OutputOptions
 
 
 class Command:

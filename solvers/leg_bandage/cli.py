@@ -18,10 +18,12 @@ from rich.console import Console
 from rich.table import Table
 from threadpoolctl import threadpool_limits
 
-from solvers.leg_bandage.bandage.products import BANDAGES
-from solvers.leg_bandage.geometry.basis import fit_basis, shipped_basis
-from solvers.leg_bandage.geometry.cohort import write_cohort
-from solvers.leg_bandage.person import (
+from surrogate.errors import StudyError, SurrogateError
+
+from .bandage.products import BANDAGES
+from .geometry.basis import fit_basis, shipped_basis
+from .geometry.cohort import write_cohort
+from .prediction import (
     Prediction,
     Reduced,
     WearError,
@@ -29,12 +31,11 @@ from solvers.leg_bandage.person import (
     summary,
     wear,
 )
-from solvers.leg_bandage.person.page import person_page
-from solvers.leg_bandage.scan import FittedScan, ScanError, fit_scan
-from solvers.leg_bandage.scan.growing import GrownCohort, build_cohort, cohort_in
-from solvers.leg_bandage.scan.page import cohort_page, scan_page
-from solvers.leg_bandage.scan.summary import figures
-from surrogate.errors import StudyError, SurrogateError
+from .prediction.page import person_page
+from .scan import FittedScan, ScanError, fit_scan
+from .scan.growing import GrownCohort, build_cohort, cohort_in
+from .scan.page import cohort_page, scan_page
+from .scan.summary import figures
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True,
                   context_settings={"help_option_names": ["-h", "--help"]},

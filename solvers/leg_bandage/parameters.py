@@ -13,11 +13,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from solvers.leg_bandage.bandage.products import ASSUMED, NOMINAL, STRETCH
-from solvers.leg_bandage.geometry.basis import Basis, fit_basis, shipped_basis
-from solvers.leg_bandage.geometry.cohort import Cohort, load_cohort, read_cohort
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Input
+
+from .bandage.products import ASSUMED, NOMINAL, STRETCH
+from .geometry.basis import Basis, fit_basis, shipped_basis
+from .geometry.cohort import Cohort, load_cohort, read_cohort
 
 PAPER = "Chassagne et al. 2018"
 MODES = 4

@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.algebra.direct import ENGINES
-from solvers.leg_bandage.bandage.products import (
+from surrogate.errors import SolverError, StudyError, nearest
+from surrogate.solver import Input
+
+from .algebra.direct import ENGINES
+from .bandage.products import (
     CURVED,
     NOMINAL,
     STRETCH,
@@ -23,8 +26,8 @@ from solvers.leg_bandage.bandage.products import (
     at_tension,
     bandage,
 )
-from solvers.leg_bandage.equilibrium.loading import solve
-from solvers.leg_bandage.equilibrium.model import (
+from .equilibrium.loading import solve
+from .equilibrium.model import (
     ABOVE,
     BELOW,
     MESHES,
@@ -34,38 +37,19 @@ from solvers.leg_bandage.equilibrium.model import (
     build,
     mesh_leg,
 )
-from solvers.leg_bandage.equilibrium.progressive import wrap_and_solve
-from solvers.leg_bandage.geometry.bone import bone_of
-from solvers.leg_bandage.geometry.feasibility import check_leg
-from solvers.leg_bandage.geometry.landmarks import RULES
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.outputs.outputs import OUTPUTS, answers
-from solvers.leg_bandage.parameters import INPUTS, SHAPE, complete, shapes_in
-from solvers.leg_bandage.wrapping.lay import element_rows, lay
-from solvers.leg_bandage.wrapping.spiral import Wrap, wrap_for
-from surrogate.errors import SolverError, StudyError, nearest
-from surrogate.solver import Input
+from .equilibrium.progressive import wrap_and_solve
+from .geometry.bone import bone_of
+from .geometry.feasibility import check_leg
+from .geometry.landmarks import RULES
+from .geometry.leg import Leg
+from .outputs.outputs import OUTPUTS, answers
+from .outputs.result import Result
+from .parameters import INPUTS, SHAPE, complete, shapes_in
+from .wrapping.lay import element_rows, lay
+from .wrapping.spiral import Wrap, wrap_for
 
 WRINKLED = 0.05
 """Share of the warp stiffness left where the bandage is compressed: assumed."""
-
-
-@dataclass(frozen=True)
-class Result:
-    """A solved run.
-
-    leg      undeformed
-    model    the boundary value problem
-    u        (ndof,) its displacements at rest
-    values   the outputs
-    seconds  that it took
-    """
-
-    leg: Leg
-    model: Model
-    u: np.ndarray
-    values: dict[str, float | np.ndarray]
-    seconds: float
 
 
 class LegBandage:

@@ -19,7 +19,7 @@ def write(name: str, folder: Path | None = None) -> Path:
         raise StudyError(f"name '{stem}' may hold letters, digits and _ only, and starts "
                          "with a letter")
     path = (folder or Path()) / f"{stem}.yaml"
-    text = files("surrogate").joinpath("starting.yaml").read_text(encoding="utf-8")
+    text = files("surrogate.study").joinpath("template.yaml").read_text(encoding="utf-8")
     try:
         with path.open("x", encoding="utf-8") as file:
             file.write(text.replace("NAME", stem))

@@ -2,8 +2,8 @@
 
 import pytest
 
-from solvers.chassagne2018 import MEAN, SLOPES, Chassagne2018
 from surrogate.errors import SolverError
+from surrogate_solvers.chassagne2018 import MEAN, SLOPES, Chassagne2018
 
 solver = Chassagne2018()
 CENTRE = {name: given.nominal for name, given in solver.inputs.items()}

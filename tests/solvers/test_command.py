@@ -12,8 +12,8 @@ import time
 import numpy as np
 import pytest
 
-from solvers.command import Command, readers
 from surrogate.errors import SolverError, StudyError
+from surrogate_solvers.command import Command, readers
 
 BEAM = """\
 import json, sys
@@ -267,7 +267,7 @@ def test_nothing_survives_the_death_of_the_caller(folder):
     pids = folder / "pids"
     script(folder, CHILDREN.format(pids=str(pids), last="time.sleep(60)"))
     caller = subprocess.Popen([sys.executable, "-c", textwrap.dedent(f"""
-        from solvers.command import Command
+        from surrogate_solvers.command import Command
         Command(command=[{sys.executable!r}, "program.py"], files=["program.py"], inputs={{}},
                 outputs={{"y": {{"regex": "y = (.)"}}}}, folder={str(folder)!r})()""")])
     end = time.monotonic() + 20

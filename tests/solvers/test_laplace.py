@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from solvers.laplace import MMHG, Laplace, laplace_pressure
-from solvers.leg_bandage.geometry.landmarks import sensor
-from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError, StudyError
+from surrogate_solvers.laplace import MMHG, Laplace, laplace_pressure
+from surrogate_solvers.leg_bandage.geometry.landmarks import sensor
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
 
 NOMINAL = {name: given.nominal for name, given in Laplace().inputs.items()}
 

@@ -10,8 +10,9 @@ import pint
 import pytest
 from scipy.special import roots_legendre
 
-from solvers import textbook
-from solvers.textbook import (
+from surrogate.solver import Solver
+from surrogate_solvers import textbook
+from surrogate_solvers.textbook import (
     Borehole,
     Cantilever,
     Ishigami,
@@ -21,7 +22,6 @@ from solvers.textbook import (
     SobolG,
     WingWeight,
 )
-from surrogate.solver import Solver
 
 FACTS = json.loads((Path(__file__).parents[1] / "reference" / "sobol_indices.json")
                    .read_text(encoding="utf-8"))["sobol_indices"]

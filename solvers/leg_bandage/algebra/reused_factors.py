@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csc_array
 
-from solvers.leg_bandage.algebra.direct import DirectSolver, with_values
+from .direct import DirectSolver, with_values
 
 SHARE = 1e-3
 """What may be left of the right-hand side: Newton's own error is larger."""

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 from threadpoolctl import ThreadpoolController
 
-from solvers.leg_bandage.algebra.direct import with_values
-from solvers.leg_bandage.algebra.reused_factors import LaggedSolver
+from .direct import with_values
+from .reused_factors import LaggedSolver
 
 # Dense products split over threads differ in their last digits; parts are fast on one.
 DENSE = ThreadpoolController().select(internal_api="openblas")

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.leg_bandage.bandage.fabric import Fabric
+from .fabric import Fabric
 
 TWIST = np.array([1.0, 1.0, 2.0])  # (k11, k22, 2 k12) over (k11, k22, k12)
 

@@ -13,8 +13,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from solvers.leg_bandage.bandage.fabric import Fabric
 from surrogate.errors import SolverError, nearest
+
+from .fabric import Fabric
 
 STRETCH = 1.3
 Curve = tuple[tuple[float, float], ...]

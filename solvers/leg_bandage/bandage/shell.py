@@ -17,11 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.leg_bandage.algebra.system import Tangent
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.kirchhoff_love import TWIST, energy, frame, gradient_and_hessian
-from solvers.leg_bandage.surfaces.interpolation import bspline, tensor
-from solvers.leg_bandage.surfaces.surfaces import Strip
+from ..algebra.system import Tangent
+from ..surfaces.interpolation import bspline, tensor
+from ..surfaces.surfaces import Strip
+from .fabric import Fabric
+from .kirchhoff_love import TWIST, energy, frame, gradient_and_hessian
 
 CHUNK = 4096  # elements whose second derivatives are held at a time: 20 kB each
 

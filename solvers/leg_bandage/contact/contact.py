@@ -27,10 +27,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solvers.leg_bandage.algebra.system import Tangent
-from solvers.leg_bandage.contact.friction import ContactLaw
-from solvers.leg_bandage.contact.sparsity import Candidates
-from solvers.leg_bandage.surfaces.projection import metric, project, solve2
+from ..algebra.system import Tangent
+from ..surfaces.projection import metric, project, solve2
+from .friction import ContactLaw
+from .sparsity import Candidates
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.leg_bandage.equilibrium.model import Model
-from solvers.leg_bandage.equilibrium.solution import NotConverged, creep
 from surrogate.errors import SolverError
+
+from .model import Model
+from .solution import NotConverged, creep
 
 FIRST_VISCOSITY = 2e-3
 HELD_VISCOSITY = 2e-2, 1e-3

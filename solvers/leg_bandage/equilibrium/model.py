@@ -10,17 +10,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.contact.contact import Contact, Points
-from solvers.leg_bandage.contact.friction import ContactLaw
-from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscosity
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.surfaces.surfaces import Skin, Strip
-from solvers.leg_bandage.tissue.mesh import LegMesh, leg_mesh
-from solvers.leg_bandage.tissue.neo_hooke import Tissue
-from solvers.leg_bandage.wrapping.lay import Lay
-from solvers.leg_bandage.wrapping.spiral import Wrap
+from ..bandage.fabric import Fabric
+from ..bandage.shell import Shell
+from ..contact.contact import Contact, Points
+from ..contact.friction import ContactLaw
+from ..geometry.leg import Leg
+from ..surfaces.surfaces import Skin, Strip
+from ..tissue.mesh import LegMesh, leg_mesh
+from ..tissue.neo_hooke import Tissue
+from ..wrapping.lay import Lay
+from ..wrapping.spiral import Wrap
+from .solution import Problem, Tolerances, Viscosity
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from solvers.leg_bandage.equilibrium.loading import hold, release
-from solvers.leg_bandage.equilibrium.model import Model, build, skin_parameters
-from solvers.leg_bandage.surfaces.surfaces import Skin
-from solvers.leg_bandage.tissue.mesh import LegMesh
-from solvers.leg_bandage.wrapping.lay import Lay, lay_rows
-from solvers.leg_bandage.wrapping.spiral import Wrap, midline_arc
+from ..surfaces.surfaces import Skin
+from ..tissue.mesh import LegMesh
+from ..wrapping.lay import Lay, lay_rows
+from ..wrapping.spiral import Wrap, midline_arc
+from .loading import hold, release
+from .model import Model, build, skin_parameters
 
 
 def deformed_skin(mesh: LegMesh, u: np.ndarray):

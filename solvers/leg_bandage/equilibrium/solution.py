@@ -15,10 +15,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from solvers.leg_bandage.algebra.system import System
-from solvers.leg_bandage.contact.contact import Contact
-from solvers.leg_bandage.contact.sparsity import PatternLeft
 from surrogate.errors import SolverError
+
+from ..algebra.system import System
+from ..contact.contact import Contact
+from ..contact.sparsity import PatternLeft
 
 
 @dataclass(frozen=True)

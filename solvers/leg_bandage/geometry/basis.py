@@ -16,7 +16,7 @@ from functools import cache
 
 import numpy as np
 
-from solvers.leg_bandage.geometry.cohort import Cohort, load_cohort, sections_of
+from .cohort import Cohort, load_cohort, sections_of
 
 INNER = 0.1
 """<u, v> = INNER * sum(u v)."""

@@ -17,9 +17,9 @@ from functools import cache
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from solvers.leg_bandage.geometry import section
-from solvers.leg_bandage.geometry.cohort import DATA
-from solvers.leg_bandage.geometry.leg import Leg
+from . import section
+from .cohort import DATA
+from .leg import Leg
 
 LEAST_COVER = 2.0
 """mm of tissue between bone and skin."""

@@ -10,14 +10,14 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 
 import numpy as np
 
 SECTIONS = 100
 """Sections a leg, at z = L i / 99 (Chassagne et al. 2018)."""
 
-DATA = files("solvers.leg_bandage") / "data"
+DATA = Path(__file__).parents[1] / "data"
 
 
 @dataclass(frozen=True)

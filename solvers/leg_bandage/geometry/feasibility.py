@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.leg_bandage.geometry import section
-from solvers.leg_bandage.geometry.bone import envelope
-from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError
+
+from . import section
+from .bone import envelope
+from .leg import Leg
 
 LEAST_RADIUS = 12.0
 """mm from the centre line to the skin; the shipped legs keep 22 mm."""

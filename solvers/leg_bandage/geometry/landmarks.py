@@ -20,8 +20,9 @@ from functools import cache
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError, nearest
+
+from .leg import Leg
 
 MEDIAL, POSTERIOR = np.pi, 1.5 * np.pi
 GIRTH_FRACTION = 0.20

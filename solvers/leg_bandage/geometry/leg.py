@@ -18,10 +18,11 @@ from functools import cache, cached_property
 import numpy as np
 from scipy.interpolate import BSpline
 
-from solvers.leg_bandage.geometry import section
-from solvers.leg_bandage.geometry.basis import Basis, shipped_basis
-from solvers.leg_bandage.geometry.cohort import sections_of
 from surrogate.errors import SolverError
+
+from . import section
+from .basis import Basis, shipped_basis
+from .cohort import sections_of
 
 DEGREE, SPANS = 5, 12
 KNOTS = np.concatenate([np.zeros(DEGREE), np.linspace(0, 1, SPANS + 1), np.ones(DEGREE)])

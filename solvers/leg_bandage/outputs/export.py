@@ -11,9 +11,10 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from solvers.leg_bandage.outputs.outputs import MMHG, imprint
-from solvers.leg_bandage.plugin import Result
 from surrogate.errors import SolverError
+
+from .outputs import MMHG, imprint
+from .result import Result
 
 
 def leg_mesh(result: Result) -> meshio.Mesh:

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.equilibrium.model import Model, midpoints, skin_parameters
-from solvers.leg_bandage.geometry.landmarks import MEDIAL, RULES, Disc, b1_height, extreme_girths
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.surfaces.projection import project, solve2
-from solvers.leg_bandage.surfaces.surfaces import Skin, Strip, interpolate_strip
 from surrogate.errors import SolverError
 from surrogate.solver import Output
+
+from ..equilibrium.model import Model, midpoints, skin_parameters
+from ..geometry.landmarks import MEDIAL, RULES, Disc, b1_height, extreme_girths
+from ..geometry.leg import Leg
+from ..surfaces.projection import project, solve2
+from ..surfaces.surfaces import Skin, Strip, interpolate_strip
 
 MMHG = 1.33322e-4
 """MPa in one millimetre of mercury."""

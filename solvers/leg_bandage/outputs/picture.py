@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.equilibrium.model import midpoints
-from solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc
-from solvers.leg_bandage.outputs.outputs import imprint
-from solvers.leg_bandage.plugin import Result
 from surrogate.errors import SolverError
+
+from ..equilibrium.model import midpoints
+from ..geometry.landmarks import MEDIAL, Disc
+from .outputs import imprint
+from .result import Result
 
 
 def draw(result: Result, path: str | Path) -> Path:

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import BSpline, CubicSpline, make_lsq_spline
 
-from solvers.leg_bandage.geometry.cohort import SECTIONS
-from solvers.leg_bandage.scan.errors import ScanError
-from solvers.leg_bandage.scan.girths import COMPLETE, Zone, complete_levels
-from solvers.leg_bandage.scan.pose import Body
-from solvers.leg_bandage.scan.sections import coverage, cut_sections
+from ..geometry.cohort import SECTIONS
+from .errors import ScanError
+from .girths import COMPLETE, Zone, complete_levels
+from .pose import Body
+from .sections import coverage, cut_sections
 
 TOP = 1.03
 SHORTEST = 0.75

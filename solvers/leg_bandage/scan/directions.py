@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.scan.errors import ScanError
 from surrogate.errors import nearest
+
+from .errors import ScanError
 
 AXES = {sign + name: factor * np.eye(3)[k]
         for k, name in enumerate("xyz") for sign, factor in (("", 1), ("-", -1))}

@@ -8,8 +8,8 @@ from html import escape
 
 import numpy as np
 
-from solvers.leg_bandage.scan.fitting import FittedScan
-from solvers.leg_bandage.scan.sections import THETA
+from .fitting import FittedScan
+from .sections import THETA
 
 DASHES = ("", "7 4", "2 3")
 COLOURS = ("#1b1b1b", "#c2410c", "#1d4ed8")

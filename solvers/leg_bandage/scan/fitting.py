@@ -8,14 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.leg_bandage.geometry.basis import Basis, shipped_basis
-from solvers.leg_bandage.geometry.cohort import load_cohort
-from solvers.leg_bandage.geometry.feasibility import check_leg
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.scan.cuts import Cuts, find_cuts
-from solvers.leg_bandage.scan.directions import Directions
-from solvers.leg_bandage.scan.errors import ScanError
-from solvers.leg_bandage.scan.pose import (
+from surrogate.errors import SolverError, nearest
+
+from ..geometry.basis import Basis, shipped_basis
+from ..geometry.cohort import load_cohort
+from ..geometry.feasibility import check_leg
+from ..geometry.leg import Leg
+from .cuts import Cuts, find_cuts
+from .directions import Directions
+from .errors import ScanError
+from .pose import (
     SETTLED,
     STEPS,
     Body,
@@ -27,11 +29,10 @@ from solvers.leg_bandage.scan.pose import (
     starts,
     turn_to_mean,
 )
-from solvers.leg_bandage.scan.reading import Surface, read_surface
-from solvers.leg_bandage.scan.refusal import check_holes, check_skin, why_no_leg
-from solvers.leg_bandage.scan.sections import THETA, Sections, cut_sections
-from solvers.leg_bandage.scan.units import UNITS, unit_of
-from surrogate.errors import SolverError, nearest
+from .reading import Surface, read_surface
+from .refusal import check_holes, check_skin, why_no_leg
+from .sections import THETA, Sections, cut_sections
+from .units import UNITS, unit_of
 
 SIDES = ("auto", "right", "left")
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import make_lsq_spline
 
-from solvers.leg_bandage.scan.sections import coverage, cut_sections
+from .sections import coverage, cut_sections
 
 LEVELS = 200
 COMPLETE = 0.97

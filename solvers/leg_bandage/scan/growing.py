@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from solvers.leg_bandage.geometry.basis import Basis, fit_basis, reconstruction_errors
-from solvers.leg_bandage.geometry.cohort import Cohort, read_cohort
-from solvers.leg_bandage.scan.errors import ScanError
-from solvers.leg_bandage.scan.fitting import FittedScan, fit_scan
-from solvers.leg_bandage.scan.reading import FORMATS
+from ..geometry.basis import Basis, fit_basis, reconstruction_errors
+from ..geometry.cohort import Cohort, read_cohort
+from .errors import ScanError
+from .fitting import FittedScan, fit_scan
+from .reading import FORMATS
 
 LEAST = 3
 """Legs that make a basis; the paper learnt from 35."""

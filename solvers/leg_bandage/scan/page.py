@@ -10,16 +10,17 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from solvers.leg_bandage.geometry.landmarks import Disc, sensor
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.scan.drawing import curves, outlines
-from solvers.leg_bandage.scan.fitting import FittedScan
-from solvers.leg_bandage.scan.growing import GrownCohort
-from solvers.leg_bandage.scan.sections import THETA
-from solvers.leg_bandage.scan.summary import figures
 from surrogate.errors import SolverError
 
-ROOM = "solvers.leg_bandage.scan"
+from ..geometry.landmarks import Disc, sensor
+from ..geometry.leg import Leg
+from .drawing import curves, outlines
+from .fitting import FittedScan
+from .growing import GrownCohort
+from .sections import THETA
+from .summary import figures
+
+ROOM = __package__
 EVERY = 3
 """Of the rays, that go to the page."""
 

@@ -17,13 +17,13 @@ from dataclasses import astuple, dataclass, field, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from solvers.leg_bandage.geometry.basis import INNER, Basis
-from solvers.leg_bandage.geometry.cohort import SECTIONS, snapshot
-from solvers.leg_bandage.scan.directions import Directions
-from solvers.leg_bandage.scan.errors import ScanError
-from solvers.leg_bandage.scan.girths import Zone, profile, zones
-from solvers.leg_bandage.scan.reading import triangle_areas
-from solvers.leg_bandage.scan.sections import Sections, cut_sections
+from ..geometry.basis import INNER, Basis
+from ..geometry.cohort import SECTIONS, snapshot
+from .directions import Directions
+from .errors import ScanError
+from .girths import Zone, profile, zones
+from .reading import triangle_areas
+from .sections import Sections, cut_sections
 
 TURNS = np.radians(np.arange(0, 360, 5))
 DIFFERENCE = 5e-3

@@ -11,7 +11,7 @@ import scipy.sparse as sp
 import trimesh
 from scipy.sparse.csgraph import connected_components
 
-from solvers.leg_bandage.scan.errors import ScanError
+from .errors import ScanError
 
 FORMATS = ("stl", "ply", "obj")
 LEAST_TRIANGLES = 200

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.leg_bandage.scan.errors import ScanError
-from solvers.leg_bandage.scan.girths import (
+from .errors import ScanError
+from .girths import (
     CALF_OVER_ANKLE,
     COMPLETE,
     REACH_OVER_ANKLE,
     Zone,
     profile,
 )
-from solvers.leg_bandage.scan.pose import Body, along_principal
-from solvers.leg_bandage.scan.sections import Sections, coverage, cut_sections
+from .pose import Body, along_principal
+from .sections import Sections, coverage, cut_sections
 
 LARGEST_HOLES = 0.15
 """Of the skin between the cuts; below it the holes are filled smoothly."""

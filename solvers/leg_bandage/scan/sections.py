@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from solvers.leg_bandage.geometry import section
+from ..geometry import section
 
 RAYS = 180
 THETA = 2 * np.pi * np.arange(RAYS) / RAYS

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from solvers.leg_bandage.geometry.landmarks import RULES, b1_height, extreme_girths
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.scan.fitting import FittedScan
 from surrogate.errors import SolverError
+
+from ..geometry.landmarks import RULES, b1_height, extreme_girths
+from ..geometry.leg import Leg
+from .fitting import FittedScan
 
 
 def figures(scan: FittedScan) -> dict[str, Any]:

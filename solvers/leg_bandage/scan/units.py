@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from solvers.leg_bandage.scan.errors import ScanError
+from .errors import ScanError
 
 UNITS = {"mm": 1.0, "cm": 10.0, "inch": 25.4, "m": 1000.0}
 """mm in each."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_banded
 
-from solvers.leg_bandage.surfaces.interpolation import bspline, keys, tensor
+from .interpolation import bspline, keys, tensor
 
 
 @dataclass(frozen=True)

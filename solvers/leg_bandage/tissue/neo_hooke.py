@@ -17,8 +17,9 @@ from __future__ import annotations
 import numpy as np
 from skfem import Basis, ElementHex1, MeshHex
 
-from solvers.leg_bandage.algebra.system import Tangent
 from surrogate.errors import SolverError
+
+from ..algebra.system import Tangent
 
 
 class Tissue:

@@ -17,16 +17,16 @@ import numpy as np
 from scipy.optimize import brentq
 from skfem import MeshHex
 
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.contact.contact import Contact, Points
-from solvers.leg_bandage.contact.friction import ContactLaw
-from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscosity
-from solvers.leg_bandage.surfaces.surfaces import Skin, Strip
-from solvers.leg_bandage.tissue.neo_hooke import Tissue
-from solvers.leg_bandage.verification.follower_pressure import bandage_pressure
-from solvers.leg_bandage.verification.plates import laid
-from solvers.leg_bandage.wrapping.lay import shares
+from ..bandage.fabric import Fabric
+from ..bandage.shell import Shell
+from ..contact.contact import Contact, Points
+from ..contact.friction import ContactLaw
+from ..equilibrium.solution import Problem, Tolerances, Viscosity
+from ..surfaces.surfaces import Skin, Strip
+from ..tissue.neo_hooke import Tissue
+from ..wrapping.lay import shares
+from .follower_pressure import bandage_pressure
+from .plates import laid
 
 SIDE, HEIGHT = 60.0, 30.0
 MARGIN = 2

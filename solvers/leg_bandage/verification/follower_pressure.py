@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.leg_bandage.algebra.system import Tangent
-from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.tissue.mesh import LegMesh
+from ..algebra.system import Tangent
+from ..bandage.shell import Shell
+from ..tissue.mesh import LegMesh
 
 
 class FollowerPressure:

@@ -6,10 +6,10 @@ from itertools import product
 
 import numpy as np
 
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.cohort import load_cohort
-from solvers.leg_bandage.geometry.landmarks import extreme_girths
-from solvers.leg_bandage.geometry.leg import Leg
+from ..geometry.basis import shipped_basis
+from ..geometry.cohort import load_cohort
+from ..geometry.landmarks import extreme_girths
+from ..geometry.leg import Leg
 
 SHAPES = ("leg_length", "alpha1", "alpha2", "alpha3", "alpha4")
 

@@ -10,17 +10,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.contact.contact import Contact, Points
-from solvers.leg_bandage.contact.friction import ContactLaw
-from solvers.leg_bandage.equilibrium.model import skin_parameters
-from solvers.leg_bandage.equilibrium.solution import Problem, Tolerances, Viscosity, creep
-from solvers.leg_bandage.surfaces.surfaces import Mandrel, Skin, Strip
-from solvers.leg_bandage.tissue.mesh import LegMesh
-from solvers.leg_bandage.tissue.neo_hooke import Tissue
-from solvers.leg_bandage.wrapping.lay import lay
-from solvers.leg_bandage.wrapping.spiral import Wrap
+from ..bandage.fabric import Fabric
+from ..bandage.shell import Shell
+from ..contact.contact import Contact, Points
+from ..contact.friction import ContactLaw
+from ..equilibrium.model import skin_parameters
+from ..equilibrium.solution import Problem, Tolerances, Viscosity, creep
+from ..surfaces.surfaces import Mandrel, Skin, Strip
+from ..tissue.mesh import LegMesh
+from ..tissue.neo_hooke import Tissue
+from ..wrapping.lay import lay
+from ..wrapping.spiral import Wrap
 
 
 def around(mandrel: Mandrel):

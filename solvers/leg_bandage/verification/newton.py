@@ -8,8 +8,9 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, eye_array
 from scipy.sparse.linalg import splu
 
-from solvers.leg_bandage.algebra.system import Part
 from surrogate.errors import SolverError
+
+from ..algebra.system import Part
 
 
 def newton(

@@ -13,10 +13,10 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import spsolve
 
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.surfaces.surfaces import Strip, interpolate_strip
-from solvers.leg_bandage.verification.newton import held, newton, tangent_matrix
+from ..bandage.fabric import Fabric
+from ..bandage.shell import Shell
+from ..surfaces.surfaces import Strip, interpolate_strip
+from .newton import held, newton, tangent_matrix
 
 
 def isotropic(E: float, nu: float, thickness: float) -> Fabric:

@@ -21,11 +21,11 @@ from pathlib import Path
 
 import numpy as np
 
-import solvers.leg_bandage
-from solvers.leg_bandage.equilibrium.model import MESHES, Mesh
-from solvers.leg_bandage.plugin import LegBandage
-from solvers.leg_bandage.verification.legs import validation_leg
 from surrogate.errors import SolverError
+
+from ..equilibrium.model import MESHES, Mesh
+from ..plugin import LegBandage
+from .legs import validation_leg
 
 READ = ("pressure_b1", "pressure_ankle", "pressure_calf", "stretch_midline", "slip_max", "steps",
         "iterations", "residual")
@@ -51,7 +51,7 @@ def family(k: float) -> Mesh:
 def code() -> str:
     """Digest of the package's statements; comments and docstrings do not count."""
     digest = hashlib.sha256()
-    for path in sorted(Path(solvers.leg_bandage.__file__).parent.glob("*.py")):
+    for path in sorted(Path(__file__).parents[1].rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         for node in ast.walk(tree):
             if isinstance(getattr(node, "body", None), list):

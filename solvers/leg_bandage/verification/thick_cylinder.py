@@ -14,13 +14,13 @@ from scipy.optimize import brentq
 from scipy.optimize import newton as scalar_newton
 from scipy.sparse import csr_array, eye_array, kron
 
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.surfaces.surfaces import Strip
-from solvers.leg_bandage.tissue.mesh import LegMesh, leg_mesh, tube
-from solvers.leg_bandage.tissue.neo_hooke import Tissue
-from solvers.leg_bandage.verification.follower_pressure import skin_pressure
-from solvers.leg_bandage.verification.newton import held, newton
+from ..bandage.fabric import Fabric
+from ..bandage.shell import Shell
+from ..surfaces.surfaces import Strip
+from ..tissue.mesh import LegMesh, leg_mesh, tube
+from ..tissue.neo_hooke import Tissue
+from .follower_pressure import skin_pressure
+from .newton import held, newton
 
 INNER, OUTER, KAPPA = 15.0, 47.0, 14.3
 HEIGHT = 5.0

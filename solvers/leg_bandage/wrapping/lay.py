@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from solvers.leg_bandage.surfaces.surfaces import Strip, interpolate_strip
-from solvers.leg_bandage.wrapping.spiral import Surface, Wrap, across, midline_arc, normals
-from solvers.leg_bandage.wrapping.turns import turns_beneath
+from ..surfaces.surfaces import Strip, interpolate_strip
+from .spiral import Surface, Wrap, across, midline_arc, normals
+from .turns import turns_beneath
 
 FINER = 5
 """Places across an element, odd, at which it is looked whether a turn passes beneath."""

@@ -15,8 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.surfaces.projection import solve2
 from surrogate.errors import SolverError
+
+from ..surfaces.projection import solve2
 
 Surface = Callable[..., np.ndarray]
 SAMPLES_A_TURN = 180

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from solvers.leg_bandage.surfaces.projection import project
+from ..surfaces.projection import project
 
 FADE = 5.0
 """mm about the edge of a turn over which the next one climbs onto it; no mesh size in it."""

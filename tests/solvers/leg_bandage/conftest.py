@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from solvers.leg_bandage import cli
+from surrogate_solvers.leg_bandage import cli
 
 
 @pytest.fixture

@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 import virtual_scans as virtual
 
-from solvers.leg_bandage.geometry.basis import fit_basis, reconstruction_errors, shipped_basis
-from solvers.leg_bandage.geometry.cohort import load_cohort
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.scan.growing import cohort_in, losses
+from surrogate_solvers.leg_bandage.geometry.basis import (
+    fit_basis,
+    reconstruction_errors,
+    shipped_basis,
+)
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
+from surrogate_solvers.leg_bandage.scan.growing import cohort_in, losses
 
 KNOWN = ("--up", "z", "--front", "y", "--side", "right", "--ends")
 

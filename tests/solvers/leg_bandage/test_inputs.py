@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.bandage.products import BANDAGES, CURVED, bandage
-from solvers.leg_bandage.geometry.basis import fit_basis
-from solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
-from solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc, b1_height
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.outputs.outputs import _circle, imprint, on_disc
-from solvers.leg_bandage.parameters import INPUTS, shapes_in
-from solvers.leg_bandage.plugin import LegBandage
 from surrogate import Study
 from surrogate.conformance import check_solver
 from surrogate.errors import SolverError, StudyError
 from surrogate.runs.identity import Recipe, keys
 from surrogate.runs.identity import calls as calls_of
+from surrogate_solvers.leg_bandage.bandage.products import BANDAGES, CURVED, bandage
+from surrogate_solvers.leg_bandage.geometry.basis import fit_basis
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
+from surrogate_solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc, b1_height
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
+from surrogate_solvers.leg_bandage.outputs.outputs import _circle, imprint, on_disc
+from surrogate_solvers.leg_bandage.parameters import INPUTS, shapes_in
+from surrogate_solvers.leg_bandage.plugin import LegBandage
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from scipy import stats
 from surrogate.errors import FitError
 from surrogate.regressors import regression
 
-FACTS = json.loads((Path(__file__).parents[1] / "reference/regression.json").read_text())
+FACTS = json.loads((Path(__file__).parents[2] / "reference/regression.json").read_text())
 
 
 def second_order(x1, x2, *more):

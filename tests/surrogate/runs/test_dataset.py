@@ -177,12 +177,13 @@ def test_saving_is_all_or_nothing(runs, tmp_path, monkeypatch):
 @pytest.mark.skipif(os.name == "nt", reason="limits of POSIX")
 def test_a_disk_that_fills_under_a_dataset_is_a_sentence(tmp_path):
     """HDF5 ends a process by a segmentation fault when a write of its own fails."""
-    code = ("import resource, sys, numpy, xarray; from surrogate import errors, runs\n"
+    code = ("import resource, sys, numpy, xarray; from surrogate import errors\n"
+            "from surrogate.runs import dataset\n"
             "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n"
             "whole = xarray.Dataset({'x': numpy.arange(9e3)})\n"
             "for data in (whole, xarray.DataTree.from_dict({'/a/b': whole})):\n"
             "    try:\n"
-            "        runs.save(data, sys.argv[1])\n"
+            "        dataset.save(data, sys.argv[1])\n"
             "    except errors.ResultsError as error:\n"
             "        print(error)\n")
     done = subprocess.run([sys.executable, "-c", code, tmp_path / "runs.nc"], capture_output=True,

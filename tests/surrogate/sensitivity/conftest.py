@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers.textbook import Borehole, Ishigami, Piston, SobolG
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
+from surrogate_solvers.textbook import Borehole, Ishigami, Piston, SobolG
 
 REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "sobol_indices.json")
                        .read_text(encoding="utf-8"))

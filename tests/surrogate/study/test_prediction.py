@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from sklearn.base import BaseEstimator, RegressorMixin
 
-from surrogate.cli import cli
+from surrogate.cli import verbs as cli
 from surrogate.errors import FitError, StudyError
 from surrogate.study.prediction import predict
 from surrogate.study.study import Study

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
-from solvers.leg_bandage.algebra.direct import DirectSolver
-from solvers.leg_bandage.algebra.reused_factors import SHARE, LaggedSolver, gmres
-from solvers.leg_bandage.algebra.system import System, compress
-from solvers.leg_bandage.bandage.products import NOMINAL
-from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.surfaces.surfaces import Strip
-from solvers.leg_bandage.tissue.mesh import leg_mesh, tube
-from solvers.leg_bandage.tissue.neo_hooke import Tissue
-from solvers.leg_bandage.verification.plates import laid
 from surrogate.errors import SolverError
+from surrogate_solvers.leg_bandage.algebra.direct import DirectSolver
+from surrogate_solvers.leg_bandage.algebra.reused_factors import SHARE, LaggedSolver, gmres
+from surrogate_solvers.leg_bandage.algebra.system import System, compress
+from surrogate_solvers.leg_bandage.bandage.products import NOMINAL
+from surrogate_solvers.leg_bandage.bandage.shell import Shell
+from surrogate_solvers.leg_bandage.surfaces.surfaces import Strip
+from surrogate_solvers.leg_bandage.tissue.mesh import leg_mesh, tube
+from surrogate_solvers.leg_bandage.tissue.neo_hooke import Tissue
+from surrogate_solvers.leg_bandage.verification.plates import laid
 
 ENGINES = ["superlu"] + (["pardiso"] if importlib.util.find_spec("pypardiso") else [])
 

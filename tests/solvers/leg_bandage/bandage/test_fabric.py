@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.products import BANDAGES, NOMINAL, at_tension, bandage
 from surrogate.errors import SolverError
+from surrogate_solvers.leg_bandage.bandage.fabric import Fabric
+from surrogate_solvers.leg_bandage.bandage.products import BANDAGES, NOMINAL, at_tension, bandage
 
 CURVE = ((1.0, 0.0), (1.1, 0.05), (1.3, 0.098), (1.6, 0.13), (1.7, 0.2))
 REST = dict(K2=0.1, nu12=0.3, G=0.05, F1=0.01, F2=0.01, tau12=0.01)

@@ -8,13 +8,13 @@ from scipy.optimize import brentq
 from scipy.sparse import coo_array
 from scipy.special import ellipeinc, ellipkinc
 
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.products import NOMINAL, at_tension
-from solvers.leg_bandage.bandage.shell import Shell
-from solvers.leg_bandage.surfaces.surfaces import Strip
-from solvers.leg_bandage.verification.follower_pressure import bandage_pressure
-from solvers.leg_bandage.verification.newton import held, newton
-from solvers.leg_bandage.verification.plates import (
+from surrogate_solvers.leg_bandage.bandage.fabric import Fabric
+from surrogate_solvers.leg_bandage.bandage.products import NOMINAL, at_tension
+from surrogate_solvers.leg_bandage.bandage.shell import Shell
+from surrogate_solvers.leg_bandage.surfaces.surfaces import Strip
+from surrogate_solvers.leg_bandage.verification.follower_pressure import bandage_pressure
+from surrogate_solvers.leg_bandage.verification.newton import held, newton
+from surrogate_solvers.leg_bandage.verification.plates import (
     cantilever,
     isotropic,
     laid,
@@ -261,7 +261,7 @@ def test_chunks_do_not_change_the_answer(monkeypatch):
     shell = waved()
     u, _ = noise(shell, 3)
     residual, tangent = shell.linearise(u)
-    monkeypatch.setattr("solvers.leg_bandage.bandage.shell.CHUNK", 7)
+    monkeypatch.setattr("surrogate_solvers.leg_bandage.bandage.shell.CHUNK", 7)
     pieces, pieced = shell.linearise(u)
     np.testing.assert_allclose(pieces, residual, atol=1e-14)
     np.testing.assert_allclose(pieced(), tangent(), atol=1e-14)

@@ -5,11 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.contact.contact import Contact, Points
-from solvers.leg_bandage.contact.friction import ContactLaw
-from solvers.leg_bandage.contact.sparsity import PatternLeft
-from solvers.leg_bandage.surfaces.projection import project
-from solvers.leg_bandage.surfaces.surfaces import Mandrel, Plane, Skin, Strip, interpolate_strip
+from surrogate_solvers.leg_bandage.contact.contact import Contact, Points
+from surrogate_solvers.leg_bandage.contact.friction import ContactLaw
+from surrogate_solvers.leg_bandage.contact.sparsity import PatternLeft
+from surrogate_solvers.leg_bandage.surfaces.projection import project
+from surrogate_solvers.leg_bandage.surfaces.surfaces import (
+    Mandrel,
+    Plane,
+    Skin,
+    Strip,
+    interpolate_strip,
+)
 
 LAW = ContactLaw(mu=0.3, penalty=0.2, ramp=0.02, elastic_slip=0.05)
 

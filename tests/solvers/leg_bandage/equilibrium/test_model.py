@@ -9,13 +9,13 @@ import meshio
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.equilibrium import loading, model
-from solvers.leg_bandage.equilibrium.solution import NotConverged
-from solvers.leg_bandage.geometry.landmarks import Disc
-from solvers.leg_bandage.outputs import export, picture
-from solvers.leg_bandage.outputs.outputs import MMHG, imprint, on_disc
-from solvers.leg_bandage.plugin import INPUTS, LegBandage
 from surrogate.errors import SolverError, StudyError
+from surrogate_solvers.leg_bandage.equilibrium import loading, model
+from surrogate_solvers.leg_bandage.equilibrium.solution import NotConverged
+from surrogate_solvers.leg_bandage.geometry.landmarks import Disc
+from surrogate_solvers.leg_bandage.outputs import export, picture
+from surrogate_solvers.leg_bandage.outputs.outputs import MMHG, imprint, on_disc
+from surrogate_solvers.leg_bandage.plugin import INPUTS, LegBandage
 
 
 @pytest.fixture(scope="module")
@@ -117,7 +117,7 @@ def test_a_run_that_does_not_converge_says_so(result, monkeypatch):
     def stuck(self, u, force=None):
         raise NotConverged(1.5, result.model.strip.offset * 3 + 1)
 
-    monkeypatch.setattr("solvers.leg_bandage.equilibrium.solution.Problem.newton", stuck)
+    monkeypatch.setattr("surrogate_solvers.leg_bandage.equilibrium.solution.Problem.newton", stuck)
     with pytest.raises(SolverError, match=r"no equilibrium: .* 1\.5e\+00 N unbalanced \(y of"):
         loading.solve(result.model)
 
@@ -165,7 +165,7 @@ def test_nowhere_has_no_pressure(result):
 @pytest.mark.slow
 def test_the_readme_runs_as_it_stands(capsys):
     """The first Python block of this package's README prints a pressure."""
-    text = (Path(loading.__file__).parent / "README.md").read_text(encoding="utf-8")
+    text = (Path(loading.__file__).parents[1] / "README.md").read_text(encoding="utf-8")
     block = re.search(r"^```python\n(.*?)^```$", text, re.MULTILINE | re.DOTALL).group(1)
     exec(compile(block, "README.md", "exec"), {})
     assert 20 < float(capsys.readouterr().out.split()[0]) < 60

@@ -7,11 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.bandage.products import at_tension
-from solvers.leg_bandage.contact.friction import ContactLaw
-from solvers.leg_bandage.equilibrium.solution import NotConverged, Problem, Tolerances, creep
-from solvers.leg_bandage.surfaces.surfaces import Mandrel
-from solvers.leg_bandage.verification.mandrel import ring_wrap, wind
+from surrogate_solvers.leg_bandage.bandage.products import at_tension
+from surrogate_solvers.leg_bandage.contact.friction import ContactLaw
+from surrogate_solvers.leg_bandage.equilibrium.solution import (
+    NotConverged,
+    Problem,
+    Tolerances,
+    creep,
+)
+from surrogate_solvers.leg_bandage.surfaces.surfaces import Mandrel
+from surrogate_solvers.leg_bandage.verification.mandrel import ring_wrap, wind
 
 
 @pytest.fixture

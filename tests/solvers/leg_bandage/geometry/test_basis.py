@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.geometry.basis import (
+from surrogate_solvers.leg_bandage.geometry.basis import (
     INNER,
     fit_basis,
     reconstruction_errors,
     shipped_basis,
 )
-from solvers.leg_bandage.geometry.cohort import load_cohort
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
 
 
 @pytest.fixture(scope="module")

@@ -5,12 +5,12 @@ import itertools
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.bone import LEAST_COVER, bone_of, cover, envelope
-from solvers.leg_bandage.geometry.cohort import load_cohort
-from solvers.leg_bandage.geometry.feasibility import check_leg
-from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError
+from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
+from surrogate_solvers.leg_bandage.geometry.bone import LEAST_COVER, bone_of, cover, envelope
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
+from surrogate_solvers.leg_bandage.geometry.feasibility import check_leg
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
 
 THETA = np.radians(np.arange(0, 360, 5))[:, None]
 

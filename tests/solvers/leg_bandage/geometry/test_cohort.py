@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.geometry.cohort import load_cohort, sections_of, snapshot
-from solvers.leg_bandage.geometry.section import girth
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort, sections_of, snapshot
+from surrogate_solvers.leg_bandage.geometry.section import girth
 
 
 @pytest.mark.parametrize("which, legs", [("train", 35), ("val", 38)])

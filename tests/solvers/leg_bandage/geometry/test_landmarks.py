@@ -5,12 +5,18 @@ import pytest
 from scipy.optimize import minimize_scalar
 from scipy.special import ellipe, ellipeinc
 
-from solvers.leg_bandage.geometry import section
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.cohort import load_cohort
-from solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc, b1_height, extreme_girths, sensor
-from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError
+from surrogate_solvers.leg_bandage.geometry import section
+from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
+from surrogate_solvers.leg_bandage.geometry.landmarks import (
+    MEDIAL,
+    Disc,
+    b1_height,
+    extreme_girths,
+    sensor,
+)
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
 
 LENGTH, Z = 200.0, np.linspace(0, 200.0, 100)
 

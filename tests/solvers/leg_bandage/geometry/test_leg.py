@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.special import ellipe
 
-from solvers.leg_bandage.geometry import section
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.cohort import load_cohort
-from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError
+from surrogate_solvers.leg_bandage.geometry import section
+from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
 
 THETA = np.linspace(0, 2 * np.pi, 60, endpoint=False)[:, None]
 

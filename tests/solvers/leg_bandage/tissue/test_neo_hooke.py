@@ -4,18 +4,18 @@ import numpy as np
 import pytest
 from scipy.sparse import coo_array
 
-from solvers.leg_bandage.tissue.mesh import leg_mesh, tube
-from solvers.leg_bandage.tissue.neo_hooke import Tissue
-from solvers.leg_bandage.verification.follower_pressure import skin_pressure
-from solvers.leg_bandage.verification.newton import held, newton
-from solvers.leg_bandage.verification.thick_cylinder import (
+from surrogate.errors import SolverError
+from surrogate_solvers.leg_bandage.tissue.mesh import leg_mesh, tube
+from surrogate_solvers.leg_bandage.tissue.neo_hooke import Tissue
+from surrogate_solvers.leg_bandage.verification.follower_pressure import skin_pressure
+from surrogate_solvers.leg_bandage.verification.newton import held, newton
+from surrogate_solvers.leg_bandage.verification.thick_cylinder import (
     annulus,
     hooped,
     hooped_exactly,
     pressed,
     pressed_exactly,
 )
-from surrogate.errors import SolverError
 
 MMHG = 1.33322e-4
 

@@ -7,12 +7,22 @@ Stiffness is the contact's, so that penetration costs 0.2 % at most.
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.outputs.outputs import MMHG
-from solvers.leg_bandage.verification.flat_patch import MARGIN, SIDE, press, settlement_exactly
-from solvers.leg_bandage.verification.grid_refinement import observed_order, refined
-from solvers.leg_bandage.verification.legs import most_conical, named, slope, validation_leg
-from solvers.leg_bandage.verification.sweeps import Case, solve_all
-from solvers.leg_bandage.verification.wound import (
+from surrogate_solvers.leg_bandage.outputs.outputs import MMHG
+from surrogate_solvers.leg_bandage.verification.flat_patch import (
+    MARGIN,
+    SIDE,
+    press,
+    settlement_exactly,
+)
+from surrogate_solvers.leg_bandage.verification.grid_refinement import observed_order, refined
+from surrogate_solvers.leg_bandage.verification.legs import (
+    most_conical,
+    named,
+    slope,
+    validation_leg,
+)
+from surrogate_solvers.leg_bandage.verification.sweeps import Case, solve_all
+from surrogate_solvers.leg_bandage.verification.wound_spiral import (
     band_on_cylinder,
     band_on_soft_tube,
     capstan,

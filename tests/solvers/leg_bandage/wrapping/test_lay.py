@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.leg_bandage.equilibrium.model import MESHES, mesh_leg
-from solvers.leg_bandage.equilibrium.progressive import deformed_skin
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.bone import bone_of
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.surfaces.surfaces import Mandrel
-from solvers.leg_bandage.verification.mandrel import around
-from solvers.leg_bandage.wrapping.lay import element_rows, lay
-from solvers.leg_bandage.wrapping.spiral import Wrap, wrap_for
 from surrogate.errors import SolverError
+from surrogate_solvers.leg_bandage.equilibrium.model import MESHES, mesh_leg
+from surrogate_solvers.leg_bandage.equilibrium.progressive import deformed_skin
+from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
+from surrogate_solvers.leg_bandage.geometry.bone import bone_of
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
+from surrogate_solvers.leg_bandage.surfaces.surfaces import Mandrel
+from surrogate_solvers.leg_bandage.verification.mandrel import around
+from surrogate_solvers.leg_bandage.wrapping.lay import element_rows, lay
+from surrogate_solvers.leg_bandage.wrapping.spiral import Wrap, wrap_for
 
 CYLINDER = around(Mandrel(45, 45))
 SPIRAL = Wrap(0, 200, 50, 1.3, 100, 0.5)

@@ -21,11 +21,12 @@ from functools import cache
 
 import numpy as np
 
-from solvers.laplace import laplace_b1
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.cohort import DATA, load_cohort
-from solvers.leg_bandage.geometry.leg import Leg
 from surrogate.errors import SolverError
+
+from ...laplace import laplace_b1
+from ..geometry.basis import shipped_basis
+from ..geometry.cohort import DATA, load_cohort
+from ..geometry.leg import Leg
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from solvers.leg_bandage.bandage.products import STRETCH
-from solvers.leg_bandage.person.interval import CONFIDENCE
-from solvers.leg_bandage.person.prediction import Prediction
-from solvers.leg_bandage.scan.summary import figures as scan_figures
+from ..bandage.products import STRETCH
+from ..scan.summary import figures as scan_figures
+from .interval import CONFIDENCE
+from .prediction import Prediction
 
 Row = tuple[str, str, str, str]
 OWN, MODES = "scan's own sections", "leg of the shape modes"

@@ -11,8 +11,8 @@ import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from solvers.leg_bandage.geometry.cohort import snapshot
-from solvers.leg_bandage.geometry.leg import Leg
+from surrogate_solvers.leg_bandage.geometry.cohort import snapshot
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
 
 WHOLE_LEG = 3
 """Which validation leg `whole_leg` is."""

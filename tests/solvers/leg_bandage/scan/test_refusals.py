@@ -5,9 +5,9 @@ import pytest
 import trimesh
 import virtual_scans as virtual
 
-from solvers.leg_bandage.geometry.basis import shipped_basis
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.scan import ScanError, fit_scan
+from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
+from surrogate_solvers.leg_bandage.scan import ScanError, fit_scan
 
 MEAN = Leg.from_alphas(240.0, shipped_basis().mean)
 SKIN = virtual.leg_mesh(MEAN)

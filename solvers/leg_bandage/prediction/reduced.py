@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +19,11 @@ import xarray as xr
 from threadpoolctl import threadpool_limits
 
 import surrogate
-from solvers.leg_bandage.person.wear import Wear
 from surrogate.errors import ResultsError, StudyError, nearest
 
-SHIPPED = files("solvers.leg_bandage") / "data" / "pressure.yaml"
+from .bandage_choice import Wear
+
+SHIPPED = Path(__file__).parents[1] / "data" / "pressure.yaml"
 AT_B1, FIELD = "at_b1", "field"
 OUTPUTS = {AT_B1: "pressure_b1", FIELD: "pressure_field"}
 

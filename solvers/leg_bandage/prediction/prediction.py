@@ -12,15 +12,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.bandage.products import STRETCH
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.person.interval import Part, joined, parts_of
-from solvers.leg_bandage.person.reduced import Reduced
-from solvers.leg_bandage.person.shape import by_laplace_if_it_can, shape_law
-from solvers.leg_bandage.person.wear import Wear
-from solvers.leg_bandage.plugin import LegBandage
-from solvers.leg_bandage.scan import FittedScan
 from surrogate.errors import SolverError
+
+from ..bandage.products import STRETCH
+from ..geometry.leg import Leg
+from ..plugin import LegBandage
+from ..scan import FittedScan
+from .bandage_choice import Wear
+from .interval import Part, joined, parts_of
+from .reduced import Reduced
+from .shape import by_laplace_if_it_can, shape_law
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.person.reduced import Reduced
-from solvers.leg_bandage.person.shape import shape_law
+from .reduced import Reduced
+from .shape import shape_law
 
 CONFIDENCE = 0.95
 FRICTIONS = 41

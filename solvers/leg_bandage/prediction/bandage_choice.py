@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.bandage.products import BANDAGES, STRETCH, bandage
-from solvers.leg_bandage.parameters import INPUTS
 from surrogate.errors import SurrogateError, nearest
+
+from ..bandage.products import BANDAGES, STRETCH, bandage
+from ..parameters import INPUTS
 
 MU_SKIN = 0.2
 MU_RANGE = (0.1, 0.3)

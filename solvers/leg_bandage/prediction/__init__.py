@@ -3,8 +3,8 @@
 An application on top of the solvers and the study layer; no solver knows it.
 """
 
-from solvers.leg_bandage.person.prediction import Prediction, predict_pressure
-from solvers.leg_bandage.person.reduced import Reduced
-from solvers.leg_bandage.person.wear import Wear, WearError, wear
+from .bandage_choice import Wear, WearError, wear
+from .prediction import Prediction, predict_pressure
+from .reduced import Reduced
 
 __all__ = ["Prediction", "Reduced", "Wear", "WearError", "predict_pressure", "wear"]

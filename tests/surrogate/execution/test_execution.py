@@ -10,6 +10,7 @@ from collections import Counter
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
 
+import misbehaving
 import numpy as np
 import pytest
 from misbehaving import WAYS, Misbehaving, Noise, Threads, Unbuildable
@@ -336,7 +337,7 @@ def pids(log):
 def start_program(tmp_path):
     """A program half-way through its sixty runs."""
     script, log, folder = tmp_path / "program.py", tmp_path / "diary", tmp_path / "j"
-    script.write_text(PROGRAM.format(tests=str(Path(__file__).parent), diary=str(log),
+    script.write_text(PROGRAM.format(tests=str(Path(misbehaving.__file__).parent), diary=str(log),
                                      journal=str(folder)))
     program = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, text=True)
@@ -385,7 +386,7 @@ def children(pid):
 def test_ctrl_c_while_workers_start_leaves_no_tracebacks(tmp_path, delay):
     """A terminal sends Ctrl-C to all processes of the group, newborn workers included."""
     script = tmp_path / "program.py"
-    script.write_text(PROGRAM.format(tests=str(Path(__file__).parent),
+    script.write_text(PROGRAM.format(tests=str(Path(misbehaving.__file__).parent),
                                      diary=str(tmp_path / "diary"), journal=str(tmp_path / "j")))
     program = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE, text=True, start_new_session=True)
@@ -399,7 +400,7 @@ def test_ctrl_c_while_workers_start_leaves_no_tracebacks(tmp_path, delay):
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
 def test_kill_9_of_the_parent_ends_programs_that_runs_started(tmp_path):
     script, log = tmp_path / "program.py", tmp_path / "pid"
-    script.write_text(PROGRAM.format(tests=str(Path(__file__).parent), diary=str(log),
+    script.write_text(PROGRAM.format(tests=str(Path(misbehaving.__file__).parent), diary=str(log),
                                      journal=str(tmp_path / "j"))
                       .replace("np.arange(60.0)}", "[1.0], 'way': ['child']}"))
     program = subprocess.Popen([sys.executable, str(script)])

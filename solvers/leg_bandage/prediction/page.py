@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from solvers.leg_bandage.person import summary
-from solvers.leg_bandage.person.prediction import Prediction
-from solvers.leg_bandage.person.surface import (
+from ..scan.page import render
+from . import summary
+from .prediction import Prediction
+from .surface import (
     BARE,
     BARE_UNDER,
     STOPS,
@@ -18,8 +19,7 @@ from solvers.leg_bandage.person.surface import (
     pressure_on,
     surface_of,
 )
-from solvers.leg_bandage.person.views import answers_drawn, colour_bar, four_sides
-from solvers.leg_bandage.scan.page import render
+from .views import answers_drawn, colour_bar, four_sides
 
 TABLE_HEIGHTS = np.arange(0.9, -0.01, -0.1)
 TABLE_ANGLES = np.array([180.0, 90.0, 0.0, 270.0])
@@ -28,7 +28,7 @@ TABLE_ANGLES = np.array([180.0, 90.0, 0.0, 270.0])
 def person_page(told: Prediction) -> str:
     """Answers, the leg in 3D coloured by pressure, and everything that goes with them."""
     surface = surface_of(told)
-    return render("solvers.leg_bandage.person", "person.html", told=told,
+    return render(__package__, "prediction.html", told=told,
                   worn=summary.worn_words(told), answers=summary.answers(told),
                   parts=summary.parts(told), coordinates=summary.coordinate_rows(told),
                   field=_field_words(told), height=None if surface.at is None else surface.at[1],

@@ -14,15 +14,16 @@ from pathlib import Path
 
 import numpy as np
 
-from solvers.laplace import laplace_b1
-from solvers.leg_bandage.bandage.products import BANDAGES, STRETCH, bandage
-from solvers.leg_bandage.geometry.basis import reconstruction_errors
-from solvers.leg_bandage.geometry.cohort import Cohort, load_cohort
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.outputs.outputs import OUTPUTS
-from solvers.leg_bandage.parameters import INPUTS, MODES, complete, legs_in
-from solvers.leg_bandage.plugin import LegBandage
 from surrogate.solver import Input, Output
+
+from ..laplace import laplace_b1
+from .bandage.products import BANDAGES, STRETCH, bandage
+from .geometry.basis import reconstruction_errors
+from .geometry.cohort import Cohort, load_cohort
+from .geometry.leg import Leg
+from .outputs.outputs import OUTPUTS
+from .parameters import INPUTS, MODES, complete, legs_in
+from .plugin import LegBandage
 
 SOLVED = ("pressure_b1", "pressure_field", "b1_height", "stretch_midline", "slip_max", "layers_b1",
           "iterations")

@@ -6,9 +6,9 @@ from html import escape
 
 import numpy as np
 
-from solvers.leg_bandage.person.prediction import Prediction
-from solvers.leg_bandage.person.surface import RAYS, SIDES, STOPS, Surface, colours
-from solvers.leg_bandage.scan.drawing import ticks
+from ..scan.drawing import ticks
+from .prediction import Prediction
+from .surface import RAYS, SIDES, STOPS, Surface, colours
 
 EVERY = 2
 """Of the levels and rays, in pictures: their facets are still some 6 mm."""

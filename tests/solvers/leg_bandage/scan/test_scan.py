@@ -7,12 +7,12 @@ import pytest
 import trimesh
 import virtual_scans as virtual
 
-from solvers.leg_bandage.geometry.basis import reconstruction_errors, shipped_basis
-from solvers.leg_bandage.geometry.cohort import Cohort, load_cohort
-from solvers.leg_bandage.geometry.landmarks import extreme_girths
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.scan import fit_scan
-from solvers.leg_bandage.scan.cuts import TOP
+from surrogate_solvers.leg_bandage.geometry.basis import reconstruction_errors, shipped_basis
+from surrogate_solvers.leg_bandage.geometry.cohort import Cohort, load_cohort
+from surrogate_solvers.leg_bandage.geometry.landmarks import extreme_girths
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
+from surrogate_solvers.leg_bandage.scan import fit_scan
+from surrogate_solvers.leg_bandage.scan.cuts import TOP
 
 BASIS = shipped_basis()
 KNOWN = {"up": "z", "front": "y", "side": "right", "ends": True}

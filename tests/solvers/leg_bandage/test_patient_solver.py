@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers.laplace import Laplace, laplace_b1
-from solvers.leg_bandage.geometry.basis import reconstruction_errors, shipped_basis
-from solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.patient import LegBandagePatient
-from solvers.leg_bandage.plugin import LegBandage
 from surrogate.conformance import check_solver
 from surrogate.errors import SolverError, StudyError
+from surrogate_solvers.laplace import Laplace, laplace_b1
+from surrogate_solvers.leg_bandage.geometry.basis import reconstruction_errors, shipped_basis
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
+from surrogate_solvers.leg_bandage.patient_solver import LegBandagePatient
+from surrogate_solvers.leg_bandage.plugin import LegBandage
 
 
 def leg_of(cohort, number):

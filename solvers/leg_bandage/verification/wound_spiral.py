@@ -12,15 +12,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from solvers.leg_bandage.bandage.fabric import Fabric
-from solvers.leg_bandage.bandage.products import NOMINAL, at_tension
-from solvers.leg_bandage.contact.friction import ContactLaw
-from solvers.leg_bandage.equilibrium.solution import Tolerances
-from solvers.leg_bandage.outputs.outputs import MMHG
-from solvers.leg_bandage.surfaces.surfaces import Mandrel
-from solvers.leg_bandage.tissue.mesh import leg_mesh, tube
-from solvers.leg_bandage.verification.mandrel import ring_on_tube, ring_wrap, wind
-from solvers.leg_bandage.wrapping.spiral import Wrap
+from ..bandage.fabric import Fabric
+from ..bandage.products import NOMINAL, at_tension
+from ..contact.friction import ContactLaw
+from ..equilibrium.solution import Tolerances
+from ..outputs.outputs import MMHG
+from ..surfaces.surfaces import Mandrel
+from ..tissue.mesh import leg_mesh, tube
+from ..wrapping.spiral import Wrap
+from .mandrel import ring_on_tube, ring_wrap, wind
 
 
 def limp(tension: float) -> Fabric:

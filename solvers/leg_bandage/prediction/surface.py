@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from solvers.leg_bandage.geometry.landmarks import Disc, sensor
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.person.prediction import Prediction, Skin
-from solvers.leg_bandage.scan.drawing import ticks
-from solvers.leg_bandage.scan.page import sensor_rim
 from surrogate.errors import SolverError
+
+from ..geometry.landmarks import Disc, sensor
+from ..geometry.leg import Leg
+from ..scan.drawing import ticks
+from ..scan.page import sensor_rim
+from .prediction import Prediction, Skin
 
 LEVELS, RAYS = 91, 72
 

@@ -11,10 +11,13 @@ import numpy as np
 import pytest
 import virtual_scans as virtual
 
-from solvers.leg_bandage.geometry.cohort import load_cohort
-from solvers.leg_bandage.geometry.landmarks import sensor
-from solvers.leg_bandage.geometry.leg import Leg
-from solvers.leg_bandage.person import (
+from surrogate import Study
+from surrogate.errors import ResultsError, SolverError, StudyError
+from surrogate.runs import stored
+from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
+from surrogate_solvers.leg_bandage.geometry.landmarks import sensor
+from surrogate_solvers.leg_bandage.geometry.leg import Leg
+from surrogate_solvers.leg_bandage.prediction import (
     Reduced,
     WearError,
     interval,
@@ -23,12 +26,9 @@ from solvers.leg_bandage.person import (
     surface,
     wear,
 )
-from solvers.leg_bandage.person.page import person_page
-from solvers.leg_bandage.person.prediction import Skin, Solved
-from solvers.leg_bandage.scan import fit_scan
-from surrogate import Study
-from surrogate.errors import ResultsError, SolverError, StudyError
-from surrogate.runs import stored
+from surrogate_solvers.leg_bandage.prediction.page import person_page
+from surrogate_solvers.leg_bandage.prediction.prediction import Skin, Solved
+from surrogate_solvers.leg_bandage.scan import fit_scan
 
 DATA = Path(__file__).parent / "data"
 KNOWN = {"up": "z", "front": "y", "side": "right", "ends": True}
@@ -128,7 +128,7 @@ def test_parts_of_the_interval(told):
 
 def test_leg_that_laplace_cannot_answer_is_not_corrected(scan, study, monkeypatch):
     """A leg without a calf has no B1: the wider part of the shape is then in the interval."""
-    monkeypatch.setattr("solvers.leg_bandage.person.prediction.by_laplace_if_it_can",
+    monkeypatch.setattr("surrogate_solvers.leg_bandage.prediction.prediction.by_laplace_if_it_can",
                         lambda leg, tension: None)
     found = predict_pressure(scan, wear(tension=0.1), Reduced.read(study))
     assert found.factor is None and found.value == found.on_modes
@@ -161,7 +161,7 @@ def test_laplace_is_n_T_mean_curvature(told, scan):
 
 
 def test_shape_law():
-    """Left-out legs are missed less with the correction than without it, as PERSON.md says.
+    """Left-out legs are missed less with the correction than without it, as PREDICTION.md says.
 
     Least squares through the origin: b = sum(x y) / sum(x^2), against numpy's.
     """
@@ -179,7 +179,7 @@ def test_shape_law():
 
 def test_person_md_prints_what_the_legs_say():
     """Number of legs, b, RMS and 95 % of both rows."""
-    law, text = shape.shape_law(), (Path(shape.__file__).parent / "PERSON.md").read_text()
+    law, text = shape.shape_law(), (Path(shape.__file__).parent / "PREDICTION.md").read_text()
     rms = {name: np.sqrt((getattr(law, name) ** 2).mean()) for name in ("missed", "corrected")}
     assert f"On {len(law.missed)} validation legs" in text
     assert f"| four modes | {100 * rms['missed']:.1f} % | {100 * law.error(False):.1f} % |" in text
@@ -291,7 +291,7 @@ def test_model_without_an_answer(command, scan_file, study, monkeypatch):
     def refuse(*_):
         raise SolverError("the steps became too small")
 
-    monkeypatch.setattr("solvers.leg_bandage.person.prediction.solve_on", refuse)
+    monkeypatch.setattr("surrogate_solvers.leg_bandage.prediction.prediction.solve_on", refuse)
     status, out, _ = command("predict", scan_file, *WORDS, "--study", study, "--tension", 0.1,
                              "--solve", "--json")
     found = json.loads(out)

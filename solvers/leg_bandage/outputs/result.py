@@ -1,0 +1,28 @@
+"""A solved run, for exports and pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..equilibrium.model import Model
+from ..geometry.leg import Leg
+
+
+@dataclass(frozen=True)
+class Result:
+    """A solved run.
+
+    leg      undeformed
+    model    the boundary value problem
+    u        (ndof,) its displacements at rest
+    values   the outputs
+    seconds  that it took
+    """
+
+    leg: Leg
+    model: Model
+    u: np.ndarray
+    values: dict[str, float | np.ndarray]
+    seconds: float
