@@ -14,8 +14,21 @@ import subprocess
 import sys
 from pathlib import Path
 
-COLUMNS = ("mesh", "linear_solver", "unknowns", "steps", "iterations", "cut_backs", "analyses",
-           "analyse_s", "assemble_s", "solve_s", "total_s", "peak_MB", "pressure_b1_mmHg")
+COLUMNS = (
+    "mesh",
+    "linear_solver",
+    "unknowns",
+    "steps",
+    "iterations",
+    "cut_backs",
+    "analyses",
+    "analyse_s",
+    "assemble_s",
+    "solve_s",
+    "total_s",
+    "peak_MB",
+    "pressure_b1_mmHg",
+)
 
 
 def measure(mesh: str, solver: str, inputs: dict[str, float]) -> dict[str, float | str]:
@@ -26,12 +39,17 @@ def measure(mesh: str, solver: str, inputs: dict[str, float]) -> dict[str, float
     problem, values = result.model.problem, result.values
     stages = problem.cost.seconds
     return {
-        "mesh": mesh, "linear_solver": solver,
+        "mesh": mesh,
+        "linear_solver": solver,
         "unknowns": problem.ndof - len(set(problem.fixed.tolist())),
-        "steps": problem.cost.steps, "iterations": problem.cost.iterations,
-        "cut_backs": problem.cost.cut_backs, "analyses": problem.cost.analyses,
-        **{f"{stage}_s": round(stages.get(stage, 0.0), 1)
-           for stage in ("analyse", "assemble", "solve")},
+        "steps": problem.cost.steps,
+        "iterations": problem.cost.iterations,
+        "cut_backs": problem.cost.cut_backs,
+        "analyses": problem.cost.analyses,
+        **{
+            f"{stage}_s": round(stages.get(stage, 0.0), 1)
+            for stage in ("analyse", "assemble", "solve")
+        },
         "total_s": round(result.seconds, 1),
         "peak_MB": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024),
         "pressure_b1_mmHg": round(values["pressure_b1"], 3),

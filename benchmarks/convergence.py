@@ -20,8 +20,12 @@ from surrogate_solvers.leg_bandage.verification.grid_refinement import observed_
 from surrogate_solvers.leg_bandage.verification.legs import named
 from surrogate_solvers.leg_bandage.verification.sweeps import Case, solve_all
 
-READ = {"pressure_b1": "mmHg", "pressure_ankle": "mmHg", "pressure_calf": "mmHg",
-        "stretch_midline": "-"}
+READ = {
+    "pressure_b1": "mmHg",
+    "pressure_ankle": "mmHg",
+    "pressure_calf": "mmHg",
+    "stretch_midline": "-",
+}
 MEDIUM = "1.5"
 
 
@@ -34,8 +38,11 @@ def values_on(meshes: list[str], case: Case, table: Path | None) -> dict[str, di
                 print(f"mesh {mesh}: {row['message']}", flush=True)
                 continue
             rows[mesh] = row
-            print(f"mesh {mesh}: {row['unknowns']:.0f} unknowns, {row['iterations']:.0f} Newton "
-                  f"iterations, {row['seconds']:.0f} s", flush=True)
+            print(
+                f"mesh {mesh}: {row['unknowns']:.0f} unknowns, {row['iterations']:.0f} Newton "
+                f"iterations, {row['seconds']:.0f} s",
+                flush=True,
+            )
     return rows
 
 
@@ -48,8 +55,10 @@ def report(name: str, unit: str, rows: dict[str, dict]) -> None:
     for mesh, value, off in zip(rows, values, found.uncertainty, strict=True):
         print(f"  mesh {mesh:>4}: {value:9.4f} +- {off:.4f} ({100 * off / abs(value):.2f} %)")
     order = observed_order(sizes[-3:], values[-3:]) if len(values) > 2 else np.nan
-    print("  observed order of the three finest: "
-          + (f"{order:.2f}" if np.isfinite(order) else "none, no approach to a limit"))
+    print(
+        "  observed order of the three finest: "
+        + (f"{order:.2f}" if np.isfinite(order) else "none, no approach to a limit")
+    )
     for terms, (limit, scatter) in found.limits.items():
         print(f"  limit by terms in {terms}: {limit:.4f}, standard deviation {scatter:.4f}")
     spread = 100 * np.ptp(values) / abs(values[-1])
@@ -58,15 +67,18 @@ def report(name: str, unit: str, rows: dict[str, dict]) -> None:
         i = list(rows).index(MEDIUM)
         off, doubt = abs(values[i] / found.limit - 1), found.uncertainty[i] / abs(values[i])
         if np.isfinite(off):
-            print(f"  medium is within {100 * off:.2f} % of the limit {found.limit:.4f} "
-                  f"(order {found.order:.2f})")
+            print(
+                f"  medium is within {100 * off:.2f} % of the limit {found.limit:.4f} "
+                f"(order {found.order:.2f})"
+            )
         print(f"  medium is within {100 * doubt:.2f} % of the limit by the uncertainty above")
 
 
 def main() -> None:
     """Run the family on one leg."""
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--meshes", nargs="+", default=["1", "1.5", "2"], metavar="K")
     parser.add_argument("--leg", default="mean", choices=("mean", "thin", "thick", "conical"))
     parser.add_argument("--set", nargs="*", default=[], metavar="NAME=VALUE", help="other inputs")

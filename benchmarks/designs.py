@@ -41,13 +41,16 @@ def pydoe(runs: int, size: int, rng: np.random.Generator) -> np.ndarray:
 
 def scipys(optimization: str | None) -> Callable[..., np.ndarray]:
     """SciPy's Latin hypercube with one of its optimisations."""
+
     def draw(runs: int, size: int, rng: np.random.Generator) -> np.ndarray:
         return qmc.LatinHypercube(size, optimization=optimization, seed=rng).random(runs)
+
     return draw
 
 
-def best_within(draw: Callable[..., np.ndarray], runs: int, size: int, seconds: float,
-                seed: int) -> np.ndarray:
+def best_within(
+    draw: Callable[..., np.ndarray], runs: int, size: int, seconds: float, seed: int
+) -> np.ndarray:
     """The draw of largest smallest distance; at least one draw, however long it takes."""
     rng = np.random.default_rng(seed)
     end = time.perf_counter() + seconds
@@ -59,10 +62,13 @@ def best_within(draw: Callable[..., np.ndarray], runs: int, size: int, seconds: 
     return best
 
 
-RIVALS = {"pyDOE3, best of five": (pydoe, False), "pyDOE3, equal time": (pydoe, True),
-          "SciPy plain, equal time": (scipys(None), True),
-          "SciPy lloyd, equal time": (scipys("lloyd"), True),
-          "SciPy random-cd, equal time": (scipys("random-cd"), True)}
+RIVALS = {
+    "pyDOE3, best of five": (pydoe, False),
+    "pyDOE3, equal time": (pydoe, True),
+    "SciPy plain, equal time": (scipys(None), True),
+    "SciPy lloyd, equal time": (scipys("lloyd"), True),
+    "SciPy random-cd, equal time": (scipys("random-cd"), True),
+}
 
 
 def compare(runs: int, size: int, seeds: int) -> None:

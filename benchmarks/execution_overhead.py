@@ -52,8 +52,13 @@ def call(row) -> float:
 def with_execute(points, milliseconds, workers) -> None:
     recipe = Recipe("busy", Busy, {"milliseconds": milliseconds})
     with tempfile.TemporaryDirectory(dir=".") as folder:
-        tally = execute(recipe, {"x": points[:, 0], "y": points[:, 1]}, journal=folder,
-                        workers=workers, timeout=60)
+        tally = execute(
+            recipe,
+            {"x": points[:, 0], "y": points[:, 1]},
+            journal=folder,
+            workers=workers,
+            timeout=60,
+        )
     assert (tally.done, tally.failed) == (len(points), 0)
 
 
@@ -66,6 +71,7 @@ def with_futures(points, milliseconds, workers) -> None:
 
 def with_joblib(points, milliseconds, workers) -> None:
     from joblib import Parallel, delayed
+
     rows = [(x, y, milliseconds) for x, y in points.tolist()]
     # Two jobs at least: with one, joblib starts no process and protects from nothing.
     Parallel(n_jobs=max(2, workers))(delayed(call)(row) for row in rows)
@@ -73,14 +79,19 @@ def with_joblib(points, milliseconds, workers) -> None:
 
 def with_pebble(points, milliseconds, workers) -> None:
     from pebble import ProcessPool
+
     rows = [(x, y, milliseconds) for x, y in points.tolist()]
     with ProcessPool(max_workers=workers) as pool:
         for future in [pool.schedule(call, args=[row], timeout=60) for row in rows]:
             future.result()
 
 
-WAYS = {"execute": with_execute, "ProcessPoolExecutor": with_futures, "joblib": with_joblib,
-        "pebble": with_pebble}
+WAYS = {
+    "execute": with_execute,
+    "ProcessPoolExecutor": with_futures,
+    "joblib": with_joblib,
+    "pebble": with_pebble,
+}
 
 
 def measure(way: str, runs: int, milliseconds: float, workers: int) -> None:
@@ -91,6 +102,7 @@ def measure(way: str, runs: int, milliseconds: float, workers: int) -> None:
     wall = time.perf_counter() - start
     if way == "joblib":  # its workers outlive the call; end and count them
         from joblib.externals.loky import get_reusable_executor
+
         get_reusable_executor().shutdown(wait=True)
     print(json.dumps([wall, _cpu(resource.RUSAGE_SELF) - before, _cpu(resource.RUSAGE_CHILDREN)]))
 
@@ -118,13 +130,25 @@ def main() -> None:
                 continue
             if way == "joblib" and workers == 1:
                 continue
-            command = [sys.executable, __file__, "--runs", str(runs), "--milliseconds",
-                       str(milliseconds), "--measure", way, str(workers)]
+            command = [
+                sys.executable,
+                __file__,
+                "--runs",
+                str(runs),
+                "--milliseconds",
+                str(milliseconds),
+                "--measure",
+                way,
+                str(workers),
+            ]
             done = subprocess.run(command, check=True, capture_output=True, text=True)
             wall, parent, children = json.loads(done.stdout)
             parent, children = 1000 * parent / runs, 1000 * children / runs - milliseconds
-            print(f"{way:22}{workers:8}{parent:9.3f}{children:9.3f}{parent + children:9.3f}"
-                  f"{wall:9.2f}", flush=True)
+            print(
+                f"{way:22}{workers:8}{parent:9.3f}{children:9.3f}{parent + children:9.3f}"
+                f"{wall:9.2f}",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

@@ -40,10 +40,13 @@ def cases():
     """name, space, function of coded points, exact indices (S, T, upper triangle of S2)."""
     facts = json.loads(REFERENCE.read_text(encoding="utf-8"))["sobol_indices"]
     for name, solver in SOLVERS.items():
-        space = Space(tuple(Parameter(key, uniform(*given.range))
-                            for key, given in solver.inputs.items()))
-        exact = [np.array(list(part.values()) if isinstance(part, dict) else part)
-                 for part in (facts[name][index] for index in NAMES)]
+        space = Space(
+            tuple(Parameter(key, uniform(*given.range)) for key, given in solver.inputs.items())
+        )
+        exact = [
+            np.array(list(part.values()) if isinstance(part, dict) else part)
+            for part in (facts[name][index] for index in NAMES)
+        ]
         yield name, space, as_function(solver, space), exact
 
 
@@ -62,8 +65,11 @@ def ours(function, space, pairs, seed):
     """Indices and half-widths by `pick_freeze`."""
     found = pick_freeze(function, space, samples=pairs, seed=seed)
     values = (found.first_order, found.total, upper(found.second_order))
-    return values, (found.half["first_order"], found.half["total"],
-                    upper(found.half["second_order"]))
+    return values, (
+        found.half["first_order"],
+        found.half["total"],
+        upper(found.half["second_order"]),
+    )
 
 
 def salib(function, space, pairs, seed):
@@ -73,28 +79,36 @@ def salib(function, space, pairs, seed):
     values = function(space.quantile(u))
     with global_seed(seed):
         found = salib_analysis.analyze(cube, values, calc_second_order=True, seed=seed)
-    return ((found["S1"], found["ST"], upper(found["S2"])),
-            (found["S1_conf"], found["ST_conf"], upper(found["S2_conf"])))
+    return (
+        (found["S1"], found["ST"], upper(found["S2"])),
+        (found["S1_conf"], found["ST_conf"], upper(found["S2_conf"])),
+    )
 
 
 def compare_salib(seeds: int) -> None:
     """Errors, coverage and time of both at the same number of evaluations."""
-    print(f"{'function':10} {'evaluations':>11} {'program':8} {'rms S':>9} {'rms T':>9} "
-          f"{'rms S2':>9} {'cover S':>8} {'cover T':>8} {'cover S2':>9} {'seconds':>8}")
+    print(
+        f"{'function':10} {'evaluations':>11} {'program':8} {'rms S':>9} {'rms T':>9} "
+        f"{'rms S2':>9} {'cover S':>8} {'cover T':>8} {'cover S2':>9} {'seconds':>8}"
+    )
     for name, space, function, exact in cases():
         for pairs in (2**10, 2**14):
             for program, method in (("ours", ours), ("SALib", salib)):
                 start = time.perf_counter()
                 results = [method(function, space, pairs, seed) for seed in range(seeds)]
                 seconds = (time.perf_counter() - start) / seeds
-                errors = [np.array([values[k] - exact[k] for values, _ in results])
-                          for k in range(3)]
+                errors = [
+                    np.array([values[k] - exact[k] for values, _ in results]) for k in range(3)
+                ]
                 halves = [np.array([half[k] for _, half in results]) for k in range(3)]
                 rms = [np.sqrt((error**2).mean()) for error in errors]
                 cover = [(np.abs(e) <= h).mean() for e, h in zip(errors, halves, strict=True)]
-                print(f"{name:10} {pairs * (2 * space.size + 2):11d} {program:8} "
-                      + " ".join(f"{value:9.2e}" for value in rms)
-                      + " ".join(f"{value:9.3f}" for value in cover) + f" {seconds:8.3f}")
+                print(
+                    f"{name:10} {pairs * (2 * space.size + 2):11d} {program:8} "
+                    + " ".join(f"{value:9.2e}" for value in rms)
+                    + " ".join(f"{value:9.3f}" for value in cover)
+                    + f" {seconds:8.3f}"
+                )
 
 
 def estimates(M: np.ndarray, mean: float) -> dict[str, np.ndarray]:
@@ -108,13 +122,15 @@ def estimates(M: np.ndarray, mean: float) -> dict[str, np.ndarray]:
     pair = 0.5 * (M[a, bi] + M[b, ai])
     own = 0.25 * (square[a] + square[b] + square[ai] + square[bi])
     four = far[a, b] + far[ai, bi]
-    return {"S Janon 2014": pair / own,
-            "S Saltelli 2010": (pair - M[a, b]) / variance,
-            "S Jansen 1999": 1.0 - 0.25 * (far[a, bi] + far[b, ai]) / variance,
-            "S Azzini 2021": 2.0 * (M[a, bi] - M[a, b] - M[ai, bi] + M[ai, b]) / four,
-            "T Jansen 1999": 0.25 * (far[a, ai] + far[b, bi]) / variance,
-            "T Janon 2014": 1.0 - 0.5 * (M[a, ai] + M[b, bi]) / own,
-            "T Azzini 2021": (far[a, ai] + far[b, bi]) / four}
+    return {
+        "S Janon 2014": pair / own,
+        "S Saltelli 2010": (pair - M[a, b]) / variance,
+        "S Jansen 1999": 1.0 - 0.25 * (far[a, bi] + far[b, ai]) / variance,
+        "S Azzini 2021": 2.0 * (M[a, bi] - M[a, b] - M[ai, bi] + M[ai, b]) / four,
+        "T Jansen 1999": 0.25 * (far[a, ai] + far[b, bi]) / variance,
+        "T Janon 2014": 1.0 - 0.5 * (M[a, ai] + M[b, bi]) / own,
+        "T Azzini 2021": (far[a, ai] + far[b, bi]) / four,
+    }
 
 
 def compare_estimators(seeds: int) -> None:
@@ -132,17 +148,25 @@ def compare_estimators(seeds: int) -> None:
             print(f"{name}, {pairs} pairs")
             for key, gaps in errors.items():
                 rms = np.sqrt(np.mean(np.square(gaps), axis=0))
-                print(f"  {key:16} rms {np.sqrt((rms**2).mean()):.2e}  worst index "
-                      f"{rms.max():.2e}  smallest index {rms[np.argmin(exact[key[0] == 'T'])]:.2e}")
+                print(
+                    f"  {key:16} rms {np.sqrt((rms**2).mean()):.2e}  worst index "
+                    f"{rms.max():.2e}  smallest index {rms[np.argmin(exact[key[0] == 'T'])]:.2e}"
+                )
 
 
 def compare_surrogate(seeds: int) -> None:
     """How often draws alone, missed variance alone and both cover the solver's S and T."""
-    estimators = {"linear": Linear(), "interactions": Interactions(), "quadratic": Quadratic(),
-                  "gp": GaussianProcess(),
-                  "forest": RandomForestRegressor(n_estimators=20, random_state=0)}
-    print(f"{'function':10} {'surrogate':13} {'runs':>5} {'q2':>6} {'draws':>7} {'missed':>7} "
-          f"{'both':>7} {'worst index':>12}")
+    estimators = {
+        "linear": Linear(),
+        "interactions": Interactions(),
+        "quadratic": Quadratic(),
+        "gp": GaussianProcess(),
+        "forest": RandomForestRegressor(n_estimators=20, random_state=0),
+    }
+    print(
+        f"{'function':10} {'surrogate':13} {'runs':>5} {'q2':>6} {'draws':>7} {'missed':>7} "
+        f"{'both':>7} {'worst index':>12}"
+    )
     for name, space, function, exact in cases():
         if name not in ("borehole", "piston"):
             continue
@@ -155,9 +179,12 @@ def compare_surrogate(seeds: int) -> None:
                 scores.append(fitted.q2)
                 covered.append(_covered(fitted, space, exact, seed))
             share = np.mean(covered, axis=0)
-            print(f"{name:10} {kind:13} {runs:5d} {np.mean(scores):6.3f} "
-                  + " ".join(f"{value:7.3f}" for value in share.mean(axis=1))
-                  + f" {share[2].min():12.3f}", flush=True)
+            print(
+                f"{name:10} {kind:13} {runs:5d} {np.mean(scores):6.3f} "
+                + " ".join(f"{value:7.3f}" for value in share.mean(axis=1))
+                + f" {share[2].min():12.3f}",
+                flush=True,
+            )
 
 
 def _covered(fitted, space, exact, seed) -> np.ndarray:
@@ -166,11 +193,18 @@ def _covered(fitted, space, exact, seed) -> np.ndarray:
     measure = Measure(space, closed=hasattr(fitted.estimator, "sobol_indices"), seed=seed)
     values = measure.of(fitted.estimator)
     for draws, q2 in ((40, 1.0), (0, None), (40, None)):
-        parts = spread(model(fitted, space, q2=q2), measure, draws=draws, confidence=0.95,
-                       seed=seed)
-        rows.append(np.concatenate([
-            (exact[k] >= values[k] - parts[k].below - 1e-4)
-            & (exact[k] <= values[k] + parts[k].above + 1e-4) for k in range(2)]))
+        parts = spread(
+            model(fitted, space, q2=q2), measure, draws=draws, confidence=0.95, seed=seed
+        )
+        rows.append(
+            np.concatenate(
+                [
+                    (exact[k] >= values[k] - parts[k].below - 1e-4)
+                    & (exact[k] <= values[k] + parts[k].above + 1e-4)
+                    for k in range(2)
+                ]
+            )
+        )
     return np.array(rows)
 
 
@@ -180,8 +214,9 @@ def main() -> None:
     parser.add_argument("what", choices=["salib", "estimators", "surrogate"])
     parser.add_argument("--seeds", type=int, default=20)
     arguments = parser.parse_args()
-    {"salib": compare_salib, "estimators": compare_estimators,
-     "surrogate": compare_surrogate}[arguments.what](arguments.seeds)
+    {"salib": compare_salib, "estimators": compare_estimators, "surrogate": compare_surrogate}[
+        arguments.what
+    ](arguments.seeds)
 
 
 if __name__ == "__main__":

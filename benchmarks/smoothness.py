@@ -22,8 +22,14 @@ from surrogate_solvers.leg_bandage.parameters import INPUTS
 from surrogate_solvers.leg_bandage.verification.legs import shape_ranges
 from surrogate_solvers.leg_bandage.verification.sweeps import Case, key_of, solve_all
 
-RANGES = {"tension": (0.059, 0.137), **shape_ranges(), "overlap": (0.4, 0.6),
-          "mu_skin": (0.1, 0.3), "stretch": (1.2, 1.4), "start_height": (-20.0, 10.0)}
+RANGES = {
+    "tension": (0.059, 0.137),
+    **shape_ranges(),
+    "overlap": (0.4, 0.6),
+    "mu_skin": (0.1, 0.3),
+    "stretch": (1.2, 1.4),
+    "start_height": (-20.0, 10.0),
+}
 DEGREES = range(1, 9)
 
 
@@ -65,15 +71,19 @@ def sweep(name: str, given: argparse.Namespace) -> None:
     off = y[good] - fitted
     # freedoms that the polynomial took are given back
     rms = np.sqrt(np.sum(off**2) / (good.sum() - degree - 1))
-    print(f"{head} {good.sum():3d} of {given.steps} converged, {y[good].min():6.2f} .. "
-          f"{y[good].max():6.2f} mmHg, degree {degree}, scatter {rms:.4f} rms, "
-          f"{np.abs(off).max():.4f} largest, at {at[good][np.abs(off).argmax()]:.4g}", flush=True)
+    print(
+        f"{head} {good.sum():3d} of {given.steps} converged, {y[good].min():6.2f} .. "
+        f"{y[good].max():6.2f} mmHg, degree {degree}, scatter {rms:.4f} rms, "
+        f"{np.abs(off).max():.4f} largest, at {at[good][np.abs(off).argmax()]:.4g}",
+        flush=True,
+    )
 
 
 def main() -> None:
     """Sweep the inputs that are asked for."""
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--mesh", default="medium", help="coarse, medium, fine or a number")
     parser.add_argument("--steps", type=int, default=41)
     parser.add_argument("--inputs", nargs="+", default=list(RANGES), choices=RANGES)

@@ -36,8 +36,9 @@ SMALL = SOLVERS | {"otl circuit (6 inputs)": OTLCircuit(), "ishigami (3 inputs)"
 
 
 def space_of(solver) -> Space:
-    return Space(tuple(Parameter(name, uniform(*given.range))
-                       for name, given in solver.inputs.items()))
+    return Space(
+        tuple(Parameter(name, uniform(*given.range)) for name, given in solver.inputs.items())
+    )
 
 
 def evaluate(solver, space, coded):
@@ -50,18 +51,23 @@ def cube(size: int, runs: int, seed: int) -> np.ndarray:
 
 
 def scikit_learn_process(size: int) -> GaussianProcessRegressor:
-    kernel = (ConstantKernel(1.0, (1e-3, 1e6)) * Matern(np.full(size, 2.0), (0.05, 50.0), nu=2.5)
-              + WhiteKernel(1e-4, (1e-10, 1.0)))
-    return GaussianProcessRegressor(kernel, normalize_y=True, n_restarts_optimizer=2,
-                                    random_state=0)
+    kernel = ConstantKernel(1.0, (1e-3, 1e6)) * Matern(
+        np.full(size, 2.0), (0.05, 50.0), nu=2.5
+    ) + WhiteKernel(1e-4, (1e-10, 1.0))
+    return GaussianProcessRegressor(
+        kernel, normalize_y=True, n_restarts_optimizer=2, random_state=0
+    )
 
 
 def surrogates(space: Space) -> dict:
-    return {"linear": Linear(space), "quadratic": Quadratic(space),
-            "polynomial chaos": PolynomialChaos(space=space),
-            "gaussian process": GaussianProcess(space=space),
-            "scikit-learn process": scikit_learn_process(space.size),
-            "scikit-learn forest": RandomForestRegressor(300, random_state=0)}
+    return {
+        "linear": Linear(space),
+        "quadratic": Quadratic(space),
+        "polynomial chaos": PolynomialChaos(space=space),
+        "gaussian process": GaussianProcess(space=space),
+        "scikit-learn process": scikit_learn_process(space.size),
+        "scikit-learn forest": RandomForestRegressor(300, random_state=0),
+    }
 
 
 def timed(function, *arguments):
@@ -86,10 +92,14 @@ def accuracy(sizes: tuple[int, ...]) -> None:
                 fitted, fit_seconds = timed(estimator.fit, coded, values)
                 _, predict_seconds = timed(fitted.predict, many)
                 error = np.sqrt(np.mean((truth - fitted.predict(test)) ** 2)) / truth.std()
-                indices = (f"{timed(fitted.sobol_indices)[1]:9.3f}"
-                           if hasattr(fitted, "sobol_indices") else f"{'-':>9}")
-                print(f"  {name:36} {error:9.2e} {fit_seconds:8.3f} {predict_seconds:9.3f} "
-                      f"{indices}")
+                indices = (
+                    f"{timed(fitted.sobol_indices)[1]:9.3f}"
+                    if hasattr(fitted, "sobol_indices")
+                    else f"{'-':>9}"
+                )
+                print(
+                    f"  {name:36} {error:9.2e} {fit_seconds:8.3f} {predict_seconds:9.3f} {indices}"
+                )
 
 
 def small(seeds: int) -> None:
@@ -106,13 +116,19 @@ def small(seeds: int) -> None:
                 for name in ("gaussian process", "scikit-learn process"):
                     fitted = surrogates(space)[name].fit(coded, values)
                     mean, std = fitted.predict(test, return_std=True)
-                    wide = (stats.t.ppf(0.975, fitted.interval_freedom)
-                            if name == "gaussian process" else 1.96)
+                    wide = (
+                        stats.t.ppf(0.975, fitted.interval_freedom)
+                        if name == "gaussian process"
+                        else 1.96
+                    )
                     scores.setdefault(name, []).append(
-                        (q2(truth, mean), np.mean(np.abs(truth - mean) <= wide * std)))
-            line = "   ".join(f"{name}: Q2 {np.median(pairs, axis=0)[0]:.3f}, coverage "
-                              f"{np.mean(pairs, axis=0)[1]:.2f}"
-                              for name, pairs in scores.items())
+                        (q2(truth, mean), np.mean(np.abs(truth - mean) <= wide * std))
+                    )
+            line = "   ".join(
+                f"{name}: Q2 {np.median(pairs, axis=0)[0]:.3f}, coverage "
+                f"{np.mean(pairs, axis=0)[1]:.2f}"
+                for name, pairs in scores.items()
+            )
             print(f"{title}, {runs} runs   {line}")
 
 
@@ -133,19 +149,27 @@ def regression() -> None:
             print("; statsmodels is not installed")
             continue
         theirs, their_seconds = timed(_statsmodels, sm, fitted.model_)
-        worst = max(np.max(np.abs(table[name].values - value) / np.maximum(np.abs(value), 1e-300))
-                    for name, value in theirs.items())
-        print(f", statsmodels {their_seconds * 1e3:.1f} ms; largest relative difference "
-              f"{worst:.1e}")
+        worst = max(
+            np.max(np.abs(table[name].values - value) / np.maximum(np.abs(value), 1e-300))
+            for name, value in theirs.items()
+        )
+        print(
+            f", statsmodels {their_seconds * 1e3:.1f} ms; largest relative difference {worst:.1e}"
+        )
 
 
 def _statsmodels(sm, model) -> dict[str, np.ndarray]:
     result = sm.OLS(model.y, model.matrix).fit()
     influence = result.get_influence()
-    return {"coefficient": result.params, "standard_error": result.bse, "p": result.pvalues,
-            "cooks_distance": influence.cooks_distance[0],
-            "studentised_external": influence.resid_studentized_external,
-            "press": np.sum(influence.resid_press**2), "f": result.fvalue}
+    return {
+        "coefficient": result.params,
+        "standard_error": result.bse,
+        "p": result.pvalues,
+        "cooks_distance": influence.cooks_distance[0],
+        "studentised_external": influence.resid_studentized_external,
+        "press": np.sum(influence.resid_press**2),
+        "f": result.fvalue,
+    }
 
 
 def main() -> None:
@@ -156,8 +180,11 @@ def main() -> None:
     given = parser.parse_args()
     # scikit-learn warns of lengths at their bounds, which is what inert inputs have.
     warnings.simplefilter("ignore", ConvergenceWarning)
-    {"accuracy": lambda: accuracy(tuple(given.runs)), "small": lambda: small(given.seeds),
-     "regression": regression}[given.what]()
+    {
+        "accuracy": lambda: accuracy(tuple(given.runs)),
+        "small": lambda: small(given.seeds),
+        "regression": regression,
+    }[given.what]()
 
 
 if __name__ == "__main__":

@@ -39,8 +39,11 @@ def numbers():
     """Yield (what, answer, ours)."""
     for tension in (0.059, 0.098, 0.137):
         found = band_on_cylinder(tension)
-        yield (f"V2 band on a rigid cylinder, T = {tension} N/mm, mmHg (scatter "
-               f"{found.scatter:.2%})", tension / 45 / MMHG, found.mean)
+        yield (
+            f"V2 band on a rigid cylinder, T = {tension} N/mm, mmHg (scatter {found.scatter:.2%})",
+            tension / 45 / MMHG,
+            found.mean,
+        )
     two, exact = spiral_exactly()
     ours = spiral_on_cylinder()
     yield "V2, V4 spiral, 2.03 layers, mean over a turn, mmHg", exact, ours
@@ -53,8 +56,9 @@ def numbers():
         yield f"{case} mmHg (scatter {found.scatter:.2%})", exact.pressure / MMHG, found.pressure
     for mu in (0.1, 0.2, 0.3):
         yield f"V6 capstan over half a turn, mu = {mu}", np.exp(np.pi * mu), capstan(mu)
-    for place, found, exact in zip(("lower edge", "midline", "upper edge"), *stretches_on_cone(),
-                                   strict=True):
+    for place, found, exact in zip(
+        ("lower edge", "midline", "upper edge"), *stretches_on_cone(), strict=True
+    ):
         yield f"V7 hoop on a cone, stretch of the {place}", exact, found
 
 
@@ -62,20 +66,30 @@ def bounds():
     """Yield a line for each check whose answer is a property."""
     for a, b in ((50, 44), (55, 40)):
         found = string_on_ellipse(a, b)
-        yield (f"V5 string without friction on an ellipse {a} x {b}: tension within "
-               f"{found.tension:.2%}, |p / (T kappa) - 1| {found.mean:.2%} in the mean, "
-               f"{found.worst:.2%} at most")
+        yield (
+            f"V5 string without friction on an ellipse {a} x {b}: tension within "
+            f"{found.tension:.2%}, |p / (T kappa) - 1| {found.mean:.2%} in the mean, "
+            f"{found.worst:.2%} at most"
+        )
     for alpha, (tension, radius) in product((0.08, 0.12), ((0.098, 45.0), (0.137, 35.0))):
         below, above = (creep_on_cone(alpha, share, tension, radius) for share in (0.9, 1.1))
-        yield (f"V7 hoop on a cone, alpha {alpha} rad, T {tension} N/mm, r {radius:g} mm: moved by "
-               f"{below:.2f} mm in eight steps at mu = 0.9 tan(alpha), {above:.3f} at 1.1")
+        yield (
+            f"V7 hoop on a cone, alpha {alpha} rad, T {tension} N/mm, r {radius:g} mm: moved by "
+            f"{below:.2f} mm in eight steps at mu = 0.9 tan(alpha), {above:.3f} at 1.1"
+        )
     for elements, cells, turned in PATCHES:
         yield flat_patch(elements, cells, turned)
 
 
-PATCHES = [((11, 9), (8, 8, 3), 0), ((11, 9), (8, 8, 3), 29), ((9, 10), (6, 7, 3), 0),
-           ((9, 10), (6, 7, 3), 29), ((21, 19), (16, 16, 4), 0), ((21, 19), (16, 16, 4), 29),
-           ((11, 9), (16, 16, 4), 0)]
+PATCHES = [
+    ((11, 9), (8, 8, 3), 0),
+    ((11, 9), (8, 8, 3), 29),
+    ((9, 10), (6, 7, 3), 0),
+    ((9, 10), (6, 7, 3), 29),
+    ((21, 19), (16, 16, 4), 0),
+    ((21, 19), (16, 16, 4), 29),
+    ((11, 9), (16, 16, 4), 0),
+]
 """Strip, block, degrees between their lines. The last: a skin finer than the strip, whose nodes
 bulge between the strip's points; the model lays as many rows as the skin has cells."""
 
@@ -86,10 +100,12 @@ def flat_patch(elements, cells, turned: float) -> str:
     found = press(load, cells, elements, np.radians(turned))
     off = found.pressure / load - 1
     sunk = found.settlement / settlement_exactly(load) - 1
-    return (f"V8 flat patch, {elements[0]} x {elements[1]} elements on {cells[0]} x {cells[1]} "
-            f"cells turned by {turned} degrees: pressure uniform to {off.std():.2%} rms, "
-            f"{np.abs(off).max():.2%} at most; settlement {sunk.mean():+.1%}, its scatter "
-            f"{sunk.std():.1%}")
+    return (
+        f"V8 flat patch, {elements[0]} x {elements[1]} elements on {cells[0]} x {cells[1]} "
+        f"cells turned by {turned} degrees: pressure uniform to {off.std():.2%} rms, "
+        f"{np.abs(off).max():.2%} at most; settlement {sunk.mean():+.1%}, its scatter "
+        f"{sunk.std():.1%}"
+    )
 
 
 if __name__ == "__main__":

@@ -108,8 +108,10 @@ def timings() -> None:
     for name, part in (("tissue", tissue), ("shell", shell)):
         u = np.zeros(part.n_dofs)
         best = shortest(lambda part=part, u=u: part.linearise(u)[1]())
-        print(f"{name}: {part.n_dofs} unknowns, residual and tangent {1e3 * best:.0f} ms, "
-              f"{1e7 * best / part.n_dofs:.0f} ms per 10 000 unknowns")
+        print(
+            f"{name}: {part.n_dofs} unknowns, residual and tangent {1e3 * best:.0f} ms, "
+            f"{1e7 * best / part.n_dofs:.0f} ms per 10 000 unknowns"
+        )
     engines = ["superlu"] + ["pardiso"] * (importlib.util.find_spec("pypardiso") is not None)
     for engine in engines:
         begin = perf_counter()
@@ -122,8 +124,10 @@ def timings() -> None:
         again = shortest(lambda d=direct, p=packed: d.factorise(p))
         ones = np.ones(len(system.free))
         solve = shortest(lambda d=direct, b=ones: d.solve(b))
-        print(f"leg, {engine}: pattern {setup:.2f} s, assembled {whole:.3f} s, "
-              f"factorised {again:.2f} s, solved {solve:.3f} s")
+        print(
+            f"leg, {engine}: pattern {setup:.2f} s, assembled {whole:.3f} s, "
+            f"factorised {again:.2f} s, solved {solve:.3f} s"
+        )
 
 
 def shortest(action, repeats: int = 5) -> float:

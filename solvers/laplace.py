@@ -27,10 +27,12 @@ MMHG = 1.33322e-4
 ANGLES = np.arange(0.0, 360.0, 5.0)
 
 MU_SKIN = Input(
-    nominal=0.2, range=(0.0, 1.0),
+    nominal=0.2,
+    range=(0.0, 1.0),
     description="friction between skin and bandage; Laplace's law has none, so it has "
-                "no effect here, and is an input because a study varies it",
-    source="Chassagne et al. 2018, Table II: 0.10..0.30")
+    "no effect here, and is an input because a study varies it",
+    source="Chassagne et al. 2018, Table II: 0.10..0.30",
+)
 
 
 def laplace_pressure(tension: float, curvature, layers: int = 2) -> np.ndarray:
@@ -41,8 +43,9 @@ def laplace_pressure(tension: float, curvature, layers: int = 2) -> np.ndarray:
     return layers * tension * np.maximum(curvature, 0.0) / MMHG
 
 
-def laplace_b1(leg: Leg, tension: float, layers: int = 2, rule: str = "girth") -> tuple[
-        float, float, Disc]:
+def laplace_b1(
+    leg: Leg, tension: float, layers: int = 2, rule: str = "girth"
+) -> tuple[float, float, Disc]:
     """Mean pressure (mmHg) and mean curvature (1/mm, hollows as 0) over the sensor, and it.
 
     Raises SolverError for a leg without B1, or hollow under the whole sensor.
@@ -52,8 +55,10 @@ def laplace_b1(leg: Leg, tension: float, layers: int = 2, rule: str = "girth") -
     curvature = leg.curvature(theta, z)
     mean = float(weights @ np.maximum(curvature, 0.0))
     if not mean > 0:
-        raise SolverError(f"the skin is hollow under the whole sensor at B1 (z = {disc.z:.0f} "
-                          "mm): Laplace's law has no radius of curvature there")
+        raise SolverError(
+            f"the skin is hollow under the whole sensor at B1 (z = {disc.z:.0f} "
+            "mm): Laplace's law has no radius of curvature there"
+        )
     return float(weights @ laplace_pressure(tension, curvature, layers)), mean, disc
 
 
@@ -69,19 +74,28 @@ class Laplace:
     version = "1"
     outputs: Mapping[str, Output] = {
         "pressure_b1": Output(
-            unit="mmHg",
-            description="mean pressure over the 50 mm sensor on the medial side at B1"),
+            unit="mmHg", description="mean pressure over the 50 mm sensor on the medial side at B1"
+        ),
         "curvature_radius": Output(
-            unit="mm", description="1 / mean curvature of the horizontal section over the sensor"),
+            unit="mm", description="1 / mean curvature of the horizontal section over the sensor"
+        ),
         "b1_height": Output(unit="mm", description="height of B1 above the ankle cut"),
         "pressure_around_b1": Output(
-            unit="mmHg", dims=("theta",), coordinates={"theta": ANGLES},
+            unit="mmHg",
+            dims=("theta",),
+            coordinates={"theta": ANGLES},
             description="pressure around the section at B1; theta in degrees from lateral (0) "
-                        "by anterior (90) to medial (180) and posterior (270)"),
+            "by anterior (90) to medial (180) and posterior (270)",
+        ),
     }
 
-    def __init__(self, layers: int = 2, b1_rule: str = "girth", cohort: str | None = None,
-                 folder: Path | None = None):
+    def __init__(
+        self,
+        layers: int = 2,
+        b1_rule: str = "girth",
+        cohort: str | None = None,
+        folder: Path | None = None,
+    ):
         if b1_rule not in RULES:
             raise StudyError(f"b1_rule: {b1_rule!r} is unknown: {nearest(b1_rule, RULES)}")
         if not 1 <= layers <= 10:
@@ -91,11 +105,21 @@ class Laplace:
         self.inputs: Mapping[str, Input] = {"mu_skin": MU_SKIN, "tension": TENSION, **shapes.inputs}
         self.identity_options = {"layers": layers, "b1_rule": b1_rule, "cohort": shapes.identity}
 
-    def __call__(self, mu_skin: float, tension: float, leg_length: float, alpha1: float,
-                 alpha2: float, alpha3: float, alpha4: float) -> dict[str, float | np.ndarray]:
+    def __call__(
+        self,
+        mu_skin: float,
+        tension: float,
+        leg_length: float,
+        alpha1: float,
+        alpha2: float,
+        alpha3: float,
+        alpha4: float,
+    ) -> dict[str, float | np.ndarray]:
         alphas = (alpha1, alpha2, alpha3, alpha4)
-        check_ranges(self.inputs, dict(zip(self.inputs, (mu_skin, tension, leg_length, *alphas),
-                                           strict=True)))
+        check_ranges(
+            self.inputs,
+            dict(zip(self.inputs, (mu_skin, tension, leg_length, *alphas), strict=True)),
+        )
         leg = Leg.from_alphas(leg_length, alphas, self.basis)
         check_leg(leg)
         pressure, curvature, disc = laplace_b1(leg, tension, self.layers, self.b1_rule)

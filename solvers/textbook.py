@@ -17,9 +17,11 @@ from surrogate.solver import Input, Output
 
 ISHIGAMI = "Ishigami and Homma 1990, doi 10.1109/ISUMA.1990.151285"
 SALTELLI_SOBOL = "Saltelli and Sobol' 1995, doi 10.1016/0951-8320(95)00099-2"
-HARPER_GUPTA = ("Harper and Gupta 1983, report BMI/ONWI-516; "
-                "ranges as Morris, Mitchell and Ylvisaker 1993, "
-                "doi 10.1080/00401706.1993.10485320")
+HARPER_GUPTA = (
+    "Harper and Gupta 1983, report BMI/ONWI-516; "
+    "ranges as Morris, Mitchell and Ylvisaker 1993, "
+    "doi 10.1080/00401706.1993.10485320"
+)
 BEN_ARI_STEINBERG = "Ben-Ari and Steinberg 2007, doi 10.1080/08982110701580930"
 KENETT_ZACKS = f"Kenett and Zacks 1998, Modern Industrial Statistics; {BEN_ARI_STEINBERG}"
 FORRESTER = "Forrester, Sobester and Keane 2008, section 1.4, doi 10.1002/9780470770801"
@@ -29,9 +31,16 @@ BEAM = "Euler-Bernoulli beam theory (Timoshenko 1955); ranges are this project's
 
 def _inputs(source: str, **rows: tuple) -> dict[str, Input]:
     """Inputs from rows name=(lowest, highest, unit, description)."""
-    return {name: Input(unit=unit, nominal=0.5 * (lowest + highest), range=(lowest, highest),
-                        description=description, source=source)
-            for name, (lowest, highest, unit, description) in rows.items()}
+    return {
+        name: Input(
+            unit=unit,
+            nominal=0.5 * (lowest + highest),
+            range=(lowest, highest),
+            description=description,
+            source=source,
+        )
+        for name, (lowest, highest, unit, description) in rows.items()
+    }
 
 
 @dataclass(frozen=True)
@@ -43,7 +52,8 @@ class Ishigami:
 
     version: ClassVar[str] = "1"
     inputs: ClassVar[dict[str, Input]] = _inputs(
-        ISHIGAMI, **{name: (-np.pi, np.pi, "", f"angle {name}") for name in ("X1", "X2", "X3")})
+        ISHIGAMI, **{name: (-np.pi, np.pi, "", f"angle {name}") for name in ("X1", "X2", "X3")}
+    )
     outputs: ClassVar[dict[str, Output]] = {"y": Output(description="Ishigami's function")}
 
     def __call__(self, X1, X2, X3):
@@ -62,12 +72,18 @@ class SobolG:
     @property
     def inputs(self) -> dict[str, Input]:
         """x1 .. xd, one for each number in `a`."""
-        return _inputs(SALTELLI_SOBOL, **{f"x{i}": (0.0, 1.0, "", f"factor with a = {a:g}")
-                                          for i, a in enumerate(self.a, start=1)})
+        return _inputs(
+            SALTELLI_SOBOL,
+            **{
+                f"x{i}": (0.0, 1.0, "", f"factor with a = {a:g}")
+                for i, a in enumerate(self.a, start=1)
+            },
+        )
 
     def __call__(self, **x):
-        factors = [(abs(4.0 * x[f"x{i}"] - 2.0) + a) / (1.0 + a)
-                   for i, a in enumerate(self.a, start=1)]
+        factors = [
+            (abs(4.0 * x[f"x{i}"] - 2.0) + a) / (1.0 + a) for i, a in enumerate(self.a, start=1)
+        ]
         return {"y": math.prod(factors)}
 
 
@@ -84,7 +100,8 @@ class Borehole:
         Tl=(63.1, 116.0, "m^2/year", "transmissivity of the lower aquifer"),
         Hl=(700.0, 820.0, "m", "potentiometric head of the lower aquifer"),
         L=(1120.0, 1680.0, "m", "length of the borehole"),
-        Kw=(9855.0, 12045.0, "m/year", "hydraulic conductivity of the borehole"))
+        Kw=(9855.0, 12045.0, "m/year", "hydraulic conductivity of the borehole"),
+    )
     outputs = {"flow": Output(unit="m^3/year", description="water flow rate")}
 
     def __call__(self, rw, r, Tu, Hu, Tl, Hl, L, Kw):
@@ -105,7 +122,8 @@ class Piston:
         k=(1000.0, 5000.0, "N/m", "spring coefficient"),
         P0=(90000.0, 110000.0, "Pa", "atmospheric pressure"),
         Ta=(290.0, 296.0, "K", "ambient temperature"),
-        T0=(340.0, 360.0, "K", "temperature of the filling gas"))
+        T0=(340.0, 360.0, "K", "temperature of the filling gas"),
+    )
     outputs = {"cycle_time": Output(unit="s", description="time of one cycle")}
 
     def __call__(self, M, S, V0, k, P0, Ta, T0):
@@ -126,14 +144,16 @@ class OTLCircuit:
         Rf=(0.5, 3.0, "kohm", "resistance f"),
         Rc1=(1.2, 2.5, "kohm", "resistance c1"),
         Rc2=(0.25, 1.2, "kohm", "resistance c2"),
-        beta=(50.0, 300.0, "", "current gain"))
+        beta=(50.0, 300.0, "", "current gain"),
+    )
     outputs = {"voltage": Output(unit="V", description="mid-point voltage")}
 
     def __call__(self, Rb1, Rb2, Rf, Rc1, Rc2, beta):
         Vb1 = 12.0 * Rb2 / (Rb1 + Rb2)
         gain = beta * (Rc2 + 9.0)
-        return {"voltage": ((Vb1 + 0.74) * gain + 11.35 * Rf + 0.74 * Rf * gain / Rc1)
-                / (gain + Rf)}
+        return {
+            "voltage": ((Vb1 + 0.74) * gain + 11.35 * Rf + 0.74 * Rf * gain / Rc1) / (gain + Rf)
+        }
 
 
 class WingWeight:
@@ -151,13 +171,22 @@ class WingWeight:
         tc=(0.08, 0.18, "", "aerofoil thickness over chord"),
         Nz=(2.5, 6.0, "", "ultimate load factor"),
         Wdg=(1700.0, 2500.0, "lb", "flight design gross weight"),
-        Wp=(0.025, 0.08, "lb/ft^2", "paint weight"))
+        Wp=(0.025, 0.08, "lb/ft^2", "paint weight"),
+    )
     outputs = {"weight": Output(unit="lb", description="weight of the wing")}
 
     def __call__(self, Sw, Wfw, A, sweep, q, taper, tc, Nz, Wdg, Wp):
         cosine = np.cos(np.deg2rad(sweep))
-        bare = (0.036 * Sw**0.758 * Wfw**0.0035 * (A / cosine**2) ** 0.6 * q**0.006
-                * taper**0.04 * (100.0 * tc / cosine) ** -0.3 * (Nz * Wdg) ** 0.49)
+        bare = (
+            0.036
+            * Sw**0.758
+            * Wfw**0.0035
+            * (A / cosine**2) ** 0.6
+            * q**0.006
+            * taper**0.04
+            * (100.0 * tc / cosine) ** -0.3
+            * (Nz * Wdg) ** 0.49
+        )
         return {"weight": bare + Sw * Wp}
 
 
@@ -206,11 +235,16 @@ class Cantilever:
         length=(0.9, 1.1, "m", "length of the beam"),
         width=(18.0, 22.0, "mm", "width of the cross-section"),
         height=(27.0, 33.0, "mm", "height of the cross-section, along the force"),
-        modulus=(180.0, 220.0, "GPa", "Young's modulus"))
-    outputs = {"deflection": Output(unit="mm", description="deflection of the tip"),
-               "stress": Output(unit="MPa", description="largest bending stress, at the clamp")}
+        modulus=(180.0, 220.0, "GPa", "Young's modulus"),
+    )
+    outputs = {
+        "deflection": Output(unit="mm", description="deflection of the tip"),
+        "stress": Output(unit="MPa", description="largest bending stress, at the clamp"),
+    }
 
     def __call__(self, load, length, width, height, modulus):
         span = 1000.0 * length
-        return {"deflection": 4.0 * load * span**3 / (1000.0 * modulus * width * height**3),
-                "stress": 6.0 * load * span / (width * height**2)}
+        return {
+            "deflection": 4.0 * load * span**3 / (1000.0 * modulus * width * height**3),
+            "stress": 6.0 * load * span / (width * height**2),
+        }

@@ -22,8 +22,10 @@ def __getattr__(name: str) -> Any:
     # of the packages that Study brings.
     if name == "Study":
         from surrogate.study.study import Study
+
         return Study
     if name == "__version__":
         from importlib.metadata import version
+
         return version("surrogate-studies")
     raise AttributeError(f"module 'surrogate' has no attribute '{name}'")

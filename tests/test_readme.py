@@ -13,8 +13,9 @@ def blocks(language: str) -> list[str]:
 
 
 def run(*words, cwd):
-    done = subprocess.run([sys.executable, *words], cwd=cwd, capture_output=True, text=True,
-                          timeout=300)
+    done = subprocess.run(
+        [sys.executable, *words], cwd=cwd, capture_output=True, text=True, timeout=300
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -28,8 +29,12 @@ def test_the_ten_line_solver_goes_the_whole_way(tmp_path):
     assert len([line for line in solver.splitlines() if line.strip()]) <= 11
     run("-m", "surrogate", "run", "beam.yaml", cwd=tmp_path)
     assert (tmp_path / "results/beam/report.html").exists()
-    run("-c", "from surrogate.conformance import check_solver\nfrom my_beam import Beam\n"
-        "check_solver(Beam())", cwd=tmp_path)
+    run(
+        "-c",
+        "from surrogate.conformance import check_solver\nfrom my_beam import Beam\n"
+        "check_solver(Beam())",
+        cwd=tmp_path,
+    )
     run("-c", python, cwd=tmp_path)
     assert (tmp_path / "report.html").exists()
 
@@ -43,6 +48,7 @@ def test_the_first_two_shell_blocks_are_the_two_commands():
 
 def test_every_study_that_ships_is_listed():
     """The table of studies names each file in studies/, and no other."""
-    shipped = {f"studies/{path.name}" for path in
-               (Path(__file__).parent.parent / "studies").glob("*.yaml")}
+    shipped = {
+        f"studies/{path.name}" for path in (Path(__file__).parent.parent / "studies").glob("*.yaml")
+    }
     assert set(re.findall(r"^\| `(studies/\w+\.yaml)`", README, re.MULTILINE)) == shipped

@@ -15,8 +15,11 @@ from surrogate_solvers.leg_bandage.prediction.shape import both_ways
 
 ROOT = Path(__file__).parent.parent
 PERSON = ROOT / "solvers/leg_bandage/data/pressure.yaml"
-WITH_RUNS = [path for path in (*sorted((ROOT / "studies").glob("*.yaml")), PERSON)
-             if "\nstored:" in path.read_text(encoding="utf-8")]
+WITH_RUNS = [
+    path
+    for path in (*sorted((ROOT / "studies").glob("*.yaml")), PERSON)
+    if "\nstored:" in path.read_text(encoding="utf-8")
+]
 AGREES = 1e-3
 """mmHg; linear solvers differ by 1e-6."""
 

@@ -20,8 +20,16 @@ from surrogate.study.source import read_text
 
 ROOT = Path(__file__).parent.parent
 STUDIES = sorted((ROOT / "studies").glob("*.yaml"))
-TABLE_3 = {"1": 32.73, "mu_skin": 2.70, "tension": 11.54, "leg_length": 2.85, "alpha1": 4.54,
-           "alpha2": 3.92, "alpha3": -1.74, "alpha4": -0.51}
+TABLE_3 = {
+    "1": 32.73,
+    "mu_skin": 2.70,
+    "tension": 11.54,
+    "leg_length": 2.85,
+    "alpha1": 4.54,
+    "alpha2": 3.92,
+    "alpha3": -1.74,
+    "alpha4": -0.51,
+}
 
 SMALL = """\
 study: small
@@ -58,8 +66,13 @@ class Slow:
 
 def command(*words, cwd, check=None):
     """Run `surrogate`; returns the finished process, whose status must be `check` if given."""
-    done = subprocess.run([sys.executable, "-m", "surrogate", *map(str, words)], cwd=cwd,
-                          capture_output=True, text=True, timeout=300)
+    done = subprocess.run(
+        [sys.executable, "-m", "surrogate", *map(str, words)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
     assert "Traceback" not in done.stderr, done.stderr
     if check is not None:
         assert done.returncode == check, done.stdout + done.stderr
@@ -84,18 +97,22 @@ def test_published_model_gives_back_table_3(tmp_path):
     beta = np.array([TABLE_3[name] for name in list(TABLE_3)[1:]])
     indices = xr.open_dataset(results / "sensitivity.nc", engine="h5netcdf")
     for name in ("first_order", "total"):
-        np.testing.assert_allclose(indices[name].sel(output="pressure_b1"),
-                                   beta**2 / (beta**2).sum(), atol=1e-9)
-    assert json.loads((results / "summary.json").read_text())["screening"]["freeze"] == \
-        ["alpha3", "alpha4"]
+        np.testing.assert_allclose(
+            indices[name].sel(output="pressure_b1"), beta**2 / (beta**2).sum(), atol=1e-9
+        )
+    assert json.loads((results / "summary.json").read_text())["screening"]["freeze"] == [
+        "alpha3",
+        "alpha4",
+    ]
 
 
 def test_ishigami_indices_within_their_intervals(tmp_path):
     """Ishigami and Homma 1990: the exact total indices lie in the reported intervals."""
     command("run", ROOT / "studies/ishigami.yaml", cwd=tmp_path, check=0)
     indices = xr.open_dataset(tmp_path / "results/ishigami/sensitivity.nc", engine="h5netcdf")
-    exact = xr.DataArray([0.5575888552, 0.4424111448, 0.2436836641],
-                         coords={"parameter": ["X1", "X2", "X3"]})
+    exact = xr.DataArray(
+        [0.5575888552, 0.4424111448, 0.2436836641], coords={"parameter": ["X1", "X2", "X3"]}
+    )
     one = indices.sel(output="y")
     assert ((one["total_low"] - 1e-3 <= exact) & (exact <= one["total_high"] + 1e-3)).all(), one
     assert abs(one["total"] - exact).max() < 0.02
@@ -105,13 +122,30 @@ def test_runs_open_plainly_and_hold_what_is_promised(place):
     """Plain xr.open_dataset; coded, parameters, outputs with units, history, provenance."""
     command("run", "small.yaml", cwd=place, check=0)
     runs = xr.open_dataset(place / "results/small/runs.nc")
-    assert {"coded", "a", "b", "y", "design", "status", "message", "seconds", "attempts",
-            "finished"} <= set(runs.variables)
+    assert {
+        "coded",
+        "a",
+        "b",
+        "y",
+        "design",
+        "status",
+        "message",
+        "seconds",
+        "attempts",
+        "finished",
+    } <= set(runs.variables)
     assert runs["y"].attrs["units"] == "mm" and runs.sizes == {"run": 32, "parameter": 2}
     np.testing.assert_allclose(runs["y"], 1 + 2 * runs["a"] + runs["b"] ** 2, rtol=1e-14)
     assert read_text(runs.attrs["study"], "").data["study"] == "small"
-    for name in ("comparison.nc", "sensitivity.nc", "regression.nc", "surrogates/quadratic.json",
-                 "summary.json", "study.yaml", "report.html"):
+    for name in (
+        "comparison.nc",
+        "sensitivity.nc",
+        "regression.nc",
+        "surrogates/quadratic.json",
+        "summary.json",
+        "study.yaml",
+        "report.html",
+    ):
         assert (place / "results/small" / name).exists(), name
 
 
@@ -120,8 +154,9 @@ def test_a_larger_sequence_keeps_the_runs_there_are(place):
     (place / "log").touch()
     command("run", "small.yaml", cwd=place, check=0)
     assert len((place / "log").read_text().splitlines()) == 32
-    (place / "small.yaml").write_text(SMALL.replace(
-        "runs: 32, seed: 1", "runs: 48, seed: 1, augment: [{method: center_points}]"))
+    (place / "small.yaml").write_text(
+        SMALL.replace("runs: 32, seed: 1", "runs: 48, seed: 1, augment: [{method: center_points}]")
+    )
     command("run", "small.yaml", cwd=place, check=0)
     assert len((place / "log").read_text().splitlines()) == 32 + 17
     again = command("run", "small.yaml", cwd=place, check=0)
@@ -148,8 +183,10 @@ def test_a_study_ships_with_its_runs_and_is_validated(place):
     (place / "small.yaml").write_text(SMALL + more)
     jsonschema.validate(yaml.safe_load(SMALL + more), studyfile.json_schema())
     away = ("--results", "away")
-    assert "all 32 are stored (32 in runs/small.nc)" in \
-        command("check", "small.yaml", *away, cwd=place, check=0).stdout
+    assert (
+        "all 32 are stored (32 in runs/small.nc)"
+        in command("check", "small.yaml", *away, cwd=place, check=0).stdout
+    )
     command("report", "small.yaml", *away, cwd=place, check=0)
     figures = json.loads((place / "away/small/summary.json").read_text())["validation"]
     assert figures["n"]["values"] == [[3.0], [3.0]]
@@ -164,15 +201,18 @@ def test_a_study_ships_with_its_runs_and_is_validated(place):
     assert len((place / "log").read_text().splitlines()) == calls + 32 + 3
     (place / "my_solver.py").write_text(SOLVER.replace('version = "1"', 'version = "2"'))
     checked = command("check", "small.yaml", *away, cwd=place, check=0).stdout
-    assert "small.yaml:9:9: no run in 'runs/small.nc' is one of this study's: other version " \
+    assert (
+        "small.yaml:9:9: no run in 'runs/small.nc' is one of this study's: other version "
         "1 -> 2" in checked.replace("\n", " ")
+    )
 
 
 def test_gaps_of_an_output_are_no_failures(place):
     """NaN of an output that declares gaps: the run is good, the surrogate learns from the rest."""
     text = SOLVER.replace('"y": Output(unit="mm")', '"y": Output(), "z": Output(gaps=True)')
-    (place / "my_solver.py").write_text(text.replace(
-        'a + b * b}', 'a + b * b, "z": a * b if a > 0.2 else float("nan")}'))
+    (place / "my_solver.py").write_text(
+        text.replace("a + b * b}", 'a + b * b, "z": a * b if a > 0.2 else float("nan")}')
+    )
     command("run", "small.yaml", cwd=place, check=0)
     runs = xr.open_dataset(place / "results/small/runs.nc")
     assert (runs["status"] == "ok").all()
@@ -183,8 +223,10 @@ def test_gaps_of_an_output_are_no_failures(place):
 
 def test_designs_without_a_seed_differ(place):
     """Two designs of one method without seeds are reproducible, and not the same points."""
-    text = SMALL.replace("{train: {method: sobol, runs: 32, seed: 1}}",
-                         "{train: {method: sobol, runs: 32}, test: {method: sobol, runs: 32}}")
+    text = SMALL.replace(
+        "{train: {method: sobol, runs: 32, seed: 1}}",
+        "{train: {method: sobol, runs: 32}, test: {method: sobol, runs: 32}}",
+    )
     (place / "small.yaml").write_text(text)
     first, second = (Study.from_yaml(place / "small.yaml").points for _ in range(2))
     np.testing.assert_array_equal(first["train"], second["train"])
@@ -193,8 +235,11 @@ def test_designs_without_a_seed_differ(place):
 
 def test_failed_runs_are_data(place):
     """Runs without an answer cost their rows: exit status 1, a report, the reason in status."""
-    (place / "small.yaml").write_text(SMALL.replace(
-        'name: "my_solver:Slow"', 'name: "my_solver:Slow", options: {fail_above: 0.8}'))
+    (place / "small.yaml").write_text(
+        SMALL.replace(
+            'name: "my_solver:Slow"', 'name: "my_solver:Slow", options: {fail_above: 0.8}'
+        )
+    )
     done = command("run", "small.yaml", cwd=place, check=1)
     assert "failed" in done.stderr
     runs = xr.open_dataset(place / "results/small/runs.nc")
@@ -210,11 +255,16 @@ def test_failed_runs_are_data(place):
 def test_an_interrupted_study_resumes_without_repeating(place, blow, status):
     """kill -9 and Ctrl-C half-way: every finished run is kept and none is done twice."""
     (place / "log").touch()
-    (place / "small.yaml").write_text(SMALL.replace(
-        'name: "my_solver:Slow"', 'name: "my_solver:Slow", options: {pause: 0.2}'))
-    process = subprocess.Popen([sys.executable, "-m", "surrogate", "run", "small.yaml"],
-                               cwd=place, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                               text=True)
+    (place / "small.yaml").write_text(
+        SMALL.replace('name: "my_solver:Slow"', 'name: "my_solver:Slow", options: {pause: 0.2}')
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-m", "surrogate", "run", "small.yaml"],
+        cwd=place,
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+    )
     journal = place / "results/small/journal/runs.jsonl"
     wait_for(lambda: journal.exists() and len(journal.read_text().splitlines()) >= 8)
     process.send_signal(blow)
@@ -247,18 +297,32 @@ def test_new_check_run_predict(tmp_path):
     assert not (tmp_path / "results").exists()
     command("run", "first.yaml", "--results", "elsewhere", cwd=tmp_path, check=0)
     at = ["rw=0.1", "Hu=1050", "Hl=760", "L=140000 cm", "Kw=10000"]
-    answer = command("predict", "first.yaml", *at, "--results", "elsewhere", "--json",
-                     cwd=tmp_path, check=0)
+    answer = command(
+        "predict", "first.yaml", *at, "--results", "elsewhere", "--json", cwd=tmp_path, check=0
+    )
     (row,) = json.loads(answer.stdout)
     flow = row["outputs"]["flow"]
     exact = Study.from_yaml(tmp_path / "first.yaml").recipe.solver(
-        rw=0.1, r=25050.0, Tu=89335.0, Hu=1050.0, Tl=89.55, Hl=760.0, L=1400.0, Kw=10000.0)["flow"]
+        rw=0.1, r=25050.0, Tu=89335.0, Hu=1050.0, Tl=89.55, Hl=760.0, L=1400.0, Kw=10000.0
+    )["flow"]
     assert row["inside"] and flow["low"] <= flow["value"] <= flow["high"]
     assert flow["value"] == pytest.approx(exact, rel=0.02)
     (tmp_path / "points.csv").write_text("rw,Hu,Hl,L,Kw\n0.1,1050,760,1400,10000\n0.2,1,1,1,1\n")
-    rows = json.loads(command("predict", "first.yaml", "--points", "points.csv", "--surrogate",
-                              "quadratic", "--results", "elsewhere", "--json", cwd=tmp_path,
-                              check=0).stdout)
+    rows = json.loads(
+        command(
+            "predict",
+            "first.yaml",
+            "--points",
+            "points.csv",
+            "--surrogate",
+            "quadratic",
+            "--results",
+            "elsewhere",
+            "--json",
+            cwd=tmp_path,
+            check=0,
+        ).stdout
+    )
     assert [row["inside"] for row in rows] == [True, False]
 
 
@@ -280,8 +344,9 @@ def test_shipped_studies_are_sound_and_fit_the_schema(path):
     """Every study that ships reads without a mistake and validates against the JSON Schema."""
     study = Study.from_yaml(path)
     assert study.name == path.stem
-    jsonschema.validate(json.loads(json.dumps(read_text(path.read_text(), "s").data)),
-                        studyfile.json_schema())
+    jsonschema.validate(
+        json.loads(json.dumps(read_text(path.read_text(), "s").data)), studyfile.json_schema()
+    )
 
 
 def test_python_is_the_same_path(place, monkeypatch):
@@ -303,8 +368,9 @@ def test_python_is_the_same_path(place, monkeypatch):
 def test_the_number_of_workers_changes_no_digit(place):
     """Same study, same seeds, same numbers with one worker and with two."""
     for workers in (1, 2):
-        command("run", "small.yaml", "--workers", workers, "--results", str(workers), cwd=place,
-                check=0)
+        command(
+            "run", "small.yaml", "--workers", workers, "--results", str(workers), cwd=place, check=0
+        )
     one, two = (json.loads((place / str(k) / "small/summary.json").read_text()) for k in (1, 2))
     for part in ("sensitivity", "screening"):
         assert one[part] == two[part]

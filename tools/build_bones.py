@@ -86,6 +86,7 @@ def cover(leg: Leg, bone: np.ndarray, z: float) -> float:
 
 def register(leg: Leg, tibia: np.ndarray, fibula: np.ndarray, foot: float) -> Place:
     """The place with COVER mm over the tibia at every height and FIBULA_COVER at the ankle."""
+
     def misfit(parameters):
         place = Place(*parameters)
         shin, outside = place(tibia, foot), place(fibula, foot)
@@ -128,19 +129,21 @@ def build(wheel: ZipFile) -> dict:
         z = h * leg.length
         centroid, series = hull_series(np.vstack([cut(tibia, z), cut(fibula, z)]))
         r0 = leg.numbers(z)[0]
-        rows.append({
-            "h": round(float(h), 3),
-            "offset": np.round((centroid - leg.centre_line(z)) / r0, 5).tolist(),
-            "coefficients": np.round(series / r0, 5).tolist(),
-            "tibia_cover_mm": round(cover(leg, tibia, z), 2),
-            "fibula_cover_mm": round(cover(leg, fibula, z), 2),
-        })
+        rows.append(
+            {
+                "h": round(float(h), 3),
+                "offset": np.round((centroid - leg.centre_line(z)) / r0, 5).tolist(),
+                "coefficients": np.round(series / r0, 5).tolist(),
+                "tibia_cover_mm": round(cover(leg, tibia, z), 2),
+                "fibula_cover_mm": round(cover(leg, fibula, z), 2),
+            }
+        )
     return {
         "source": f"tibia and fibula of {REQUIREMENT} (PyPI, Apache-2.0), which are those of the "
-                  "OpenSim model of Rajagopal et al. 2016 (CC BY 3.0); tools/build_bones.py",
+        "OpenSim model of Rajagopal et al. 2016 (CC BY 3.0); tools/build_bones.py",
         "definition": "convex hull of tibia and fibula at height h = z / L: radius "
-                      "r0 (c0 + sum a_m cos m theta + b_m sin m theta) about the leg's centre + "
-                      "r0 offset, with r0 the leg's own at that height",
+        "r0 (c0 + sum a_m cos m theta + b_m sin m theta) about the leg's centre + "
+        "r0 offset, with r0 the leg's own at that height",
         "scale": round(float(scale), 4),
         "place": {name: round(float(value), 4) for name, value in vars(place).items()},
         "rows": rows,

@@ -57,8 +57,9 @@ def aligned_leg(model: BodyModel, record: dict) -> tuple[np.ndarray, float]:
 def extreme(triangles: np.ndarray, low: float, high: float, sign: float) -> tuple[float, float]:
     """Height and girth of the narrowest (sign +1) or widest (-1) section between two heights."""
     z = np.arange(low, high, 2.0)
-    girths = np.array([np.linalg.norm(np.diff(segments(triangles, h), axis=1), axis=-1).sum()
-                       for h in z])
+    girths = np.array(
+        [np.linalg.norm(np.diff(segments(triangles, h), axis=1), axis=-1).sum() for h in z]
+    )
     best = np.clip(np.argmin(sign * girths), 3, len(z) - 4)
     near = slice(best - 3, best + 4)
     a, b, c = np.polyfit(z[near] - z[best], girths[near], 2)
@@ -77,8 +78,9 @@ def shape_leg(triangles: np.ndarray, reach: float, record: dict) -> tuple[np.nda
     narrow, wide = subject["ankle"] / ankle_girth, subject["calf"] / calf_girth
     width = narrow + (wide - narrow) * blend
     axis = np.mean([centroid(cut(triangles, level)) for level in (ankle, calf)], axis=0)
-    up = (z - ankle) * JOINTS_PER_SHANK * shank / reach + (record["shift"] * blend
-                                                          - CROP_MIDDLE) * shank
+    up = (z - ankle) * JOINTS_PER_SHANK * shank / reach + (
+        record["shift"] * blend - CROP_MIDDLE
+    ) * shank
     points = np.stack([(x - axis[0]) * width, (y - axis[1]) * width, up], axis=-1)
     tilted = Rotation.from_euler("xyz", record["tilt"], degrees=True).apply(points.reshape(-1, 3))
     return tilted.reshape(points.shape) + [0, 0, length / 2], length
@@ -123,9 +125,11 @@ def report(which: str, coefficients: np.ndarray, centre: np.ndarray, length: np.
     basis = shipped_basis()
     alphas = basis.project(snapshot(coefficients, centre, length))
     moved = np.abs(alphas - basis.project(shipped.snapshots().T)).max(axis=0)
-    print(f"{which}: radius median {np.median(radius):.3f}, 95 % {np.percentile(radius, 95):.3f}, "
-          f"largest {radius.max():.3f} mm; centre line largest {away.max():.2f} mm; alphas "
-          f"largest {np.array2string(moved, precision=4)}")
+    print(
+        f"{which}: radius median {np.median(radius):.3f}, 95 % {np.percentile(radius, 95):.3f}, "
+        f"largest {radius.max():.3f} mm; centre line largest {away.max():.2f} mm; alphas "
+        f"largest {np.array2string(moved, precision=4)}"
+    )
 
 
 def main() -> None:
@@ -140,8 +144,10 @@ def main() -> None:
         for which in ("train", "val"):
             legs = [build_leg(model, record) for record in records[which]]
             built = [np.array(column) for column in zip(*legs, strict=True)]
-            arrays |= {f"{which}_{name}": array
-                       for name, array in zip(("coef", "centre", "L"), built, strict=True)}
+            arrays |= {
+                f"{which}_{name}": array
+                for name, array in zip(("coef", "centre", "L"), built, strict=True)
+            }
             report(which, *built)
     np.savez_compressed(arguments.output, **arrays)
     print(f"wrote {arguments.output}")

@@ -27,10 +27,13 @@ def main() -> None:
     options.add_argument("--legs", type=int, default=len(load_cohort("val")))
     chosen = options.parse_args()
     solver = LegBandage(mesh=chosen.mesh)
-    told = {"about": "pressure at B1, mmHg, of validation legs on their own sections and as the "
-                     "legs of four shape modes, by finite elements; tools/four_modes.py",
-            "solver": f"leg_bandage {solver.version}, mesh {chosen.mesh}",
-            "tension": TENSION, "mu_skin": MU_SKIN}
+    told = {
+        "about": "pressure at B1, mmHg, of validation legs on their own sections and as the "
+        "legs of four shape modes, by finite elements; tools/four_modes.py",
+        "solver": f"leg_bandage {solver.version}, mesh {chosen.mesh}",
+        "tension": TENSION,
+        "mu_skin": MU_SKIN,
+    }
     found = {**told, "leg": [], "own": [], "modes": []}
     if PATH.is_file():
         before = json.loads(PATH.read_text(encoding="utf-8"))
@@ -40,8 +43,10 @@ def main() -> None:
         if number in found["leg"]:
             continue
         try:
-            own, modes = (solver.run(leg=leg, tension=TENSION, mu_skin=MU_SKIN).values
-                          for leg in both_ways(number))
+            own, modes = (
+                solver.run(leg=leg, tension=TENSION, mu_skin=MU_SKIN).values
+                for leg in both_ways(number)
+            )
         except SolverError as error:
             print(f"leg {number} left out: {error}")
             continue

@@ -72,15 +72,16 @@ def _input_mistakes(name: str, given: InputOptions) -> Iterable[str]:
         if math.isfinite(low) or math.isfinite(high):
             yield f"inputs.{name}: give either range or levels, not both"
         if given.nominal is not None and given.nominal not in given.levels:
-            yield (f"inputs.{name}.nominal: {given.nominal!r} is not a level; "
-                   f"{nearest(str(given.nominal), given.levels)}")
+            yield (
+                f"inputs.{name}.nominal: {given.nominal!r} is not a level; "
+                f"{nearest(str(given.nominal), given.levels)}"
+            )
     elif not low < high:
         yield f"inputs.{name}.range: [{low:g}, {high:g}] is upside down; write [smallest, largest]"
     elif isinstance(given.nominal, str):
         yield f"inputs.{name}.nominal: {given.nominal!r} is not a number; or give levels"
     elif given.nominal is not None and not low <= given.nominal <= high:
-        yield (f"inputs.{name}.nominal: {given.nominal:g} lies outside range "
-               f"[{low:g}, {high:g}]")
+        yield (f"inputs.{name}.nominal: {given.nominal:g} lies outside range [{low:g}, {high:g}]")
 
 
 def _unit_mistakes(where: str, unit: str) -> Iterable[str]:
@@ -93,8 +94,11 @@ def _unit_mistakes(where: str, unit: str) -> Iterable[str]:
 def _output_mistakes(name: str, given: OutputOptions) -> Iterable[str]:
     where = f"outputs.{name}"
     yield from _unit_mistakes(where, given.unit)
-    readers = [reader for reader in ("regex", "pointer", "csv", "table")
-               if getattr(given, reader) is not None]
+    readers = [
+        reader
+        for reader in ("regex", "pointer", "csv", "table")
+        if getattr(given, reader) is not None
+    ]
     if len(readers) != 1:
         yield f"{where}: give one of regex, pointer, csv and table ({len(readers)} given)"
     yield from _regex_mistakes(where, given.regex)
@@ -115,8 +119,10 @@ def _column_mistakes(where: str, reader: Csv | Table, array: bool) -> Iterable[s
     if isinstance(reader.column, str) and not reader.header:
         yield f"{where}: column '{reader.column}' needs header: true, or give its number"
     if (reader.row is None) != array:
-        yield (f"{where}: give either row, for a single number (-1 is the last), "
-               "or dims, for the whole column")
+        yield (
+            f"{where}: give either row, for a single number (-1 is the last), "
+            "or dims, for the whole column"
+        )
 
 
 def _regex_mistakes(where: str, regex: str | None) -> Iterable[str]:
@@ -128,8 +134,10 @@ def _regex_mistakes(where: str, regex: str | None) -> Iterable[str]:
         yield f"{where}.regex: {regex!r} is not a regular expression ({error})"
         return
     if groups > 1:
-        yield (f"{where}.regex: {regex!r} has {groups} groups; put one pair of ( ) around the "
-               "number and write (?: ) elsewhere")
+        yield (
+            f"{where}.regex: {regex!r} has {groups} groups; put one pair of ( ) around the "
+            "number and write (?: ) elsewhere"
+        )
 
 
 def _place_mistakes(where: str, name: str) -> Iterable[str]:
@@ -168,5 +176,7 @@ def _placeholder_mistakes(options: Options, texts: Mapping[str, str]) -> Iterabl
         yield from templates.mistakes(text, where, placeholder, known)
     for name in known.keys() - used if len(texts) == len(set(options.templates.values())) else ():
         left, right = options.delimiters
-        yield (f"inputs.{name}: is used nowhere; write {left} {name} {right} in a template or in "
-               "the command, or leave the input out")
+        yield (
+            f"inputs.{name}: is used nowhere; write {left} {name} {right} in a template or in "
+            "the command, or leave the input out"
+        )

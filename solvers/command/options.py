@@ -134,8 +134,13 @@ def _sentence(error: Mapping[str, Any]) -> str:
 
 def _place(error: Mapping[str, Any]) -> list[Any]:
     """Keys that lead to a mistake, without the names of types that pydantic adds."""
-    return [part for part in error["loc"] if not (
-        isinstance(part, str) and re.fullmatch(r"(list|dict)\[.*\]|str|int|float|Spread", part))]
+    return [
+        part
+        for part in error["loc"]
+        if not (
+            isinstance(part, str) and re.fullmatch(r"(list|dict)\[.*\]|str|int|float|Spread", part)
+        )
+    ]
 
 
 def arguments(options: Options) -> list[str]:
@@ -147,12 +152,14 @@ def arguments(options: Options) -> list[str]:
         return list(options.command)
     left, right = options.delimiters
     closed = templates.pattern(options.delimiters).sub(
-        lambda found: left + found[1].replace(" ", "") + right, options.command)
+        lambda found: left + found[1].replace(" ", "") + right, options.command
+    )
     try:
         return shlex.split(closed)
     except ValueError as error:
-        raise StudyError(f"command: {options.command!r} cannot be split ({error}); "
-                         "write a list of words instead") from error
+        raise StudyError(
+            f"command: {options.command!r} cannot be split ({error}); write a list of words instead"
+        ) from error
 
 
 def program(word: str, folder: Path) -> str | None:
@@ -169,8 +176,9 @@ def seconds(timeout: float | str | None) -> float | None:
     except Exception as error:  # pint's parser raises whatever the text makes it meet
         raise StudyError(f"timeout: {timeout!r} is not a time; write 30 min or 600 s") from error
     if not 0 < value < math.inf:
-        raise StudyError(f"timeout: {timeout if isinstance(timeout, str) else f'{timeout:g} s'} "
-                         "must be above 0")
+        raise StudyError(
+            f"timeout: {timeout if isinstance(timeout, str) else f'{timeout:g} s'} must be above 0"
+        )
     return float(value)
 
 
@@ -188,9 +196,15 @@ def inputs(options: Options) -> dict[str, Input]:
 
 def outputs(options: Options) -> dict[str, Output]:
     """The declared outputs as the solver contract has them."""
-    return {name: Output(unit=given.unit, dims=tuple(given.dims), description=given.description,
-                         coordinates={dim: _coordinates(c) for dim, c in given.dims.items()})
-            for name, given in options.outputs.items()}
+    return {
+        name: Output(
+            unit=given.unit,
+            dims=tuple(given.dims),
+            description=given.description,
+            coordinates={dim: _coordinates(c) for dim, c in given.dims.items()},
+        )
+        for name, given in options.outputs.items()
+    }
 
 
 def _coordinates(given: list[float] | int | Spread) -> np.ndarray:

@@ -27,8 +27,9 @@ def run(arguments: Sequence[str], folder: Path, timeout: float | None) -> int | 
     `folder`; it has no standard input.
     """
     with open(folder / STDOUT, "wb") as out, open(folder / STDERR, "wb") as err:
-        process, lifeline = _start(arguments, cwd=folder, stdin=subprocess.DEVNULL,
-                                   stdout=out, stderr=err)
+        process, lifeline = _start(
+            arguments, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err
+        )
         try:
             return process.wait(timeout)
         except subprocess.TimeoutExpired:
@@ -48,7 +49,10 @@ def _start(arguments: Sequence[str], **options) -> tuple[subprocess.Popen, int |
     try:
         process = subprocess.Popen(
             [sys.executable, "-I", "-S", str(SUPERVISOR), str(ours), *arguments],
-            pass_fds=[ours], process_group=0, **options)
+            pass_fds=[ours],
+            process_group=0,
+            **options,
+        )
     except OSError:
         os.close(lifeline)
         raise

@@ -22,8 +22,10 @@ def by_pattern(text: str, regex: str, several: bool) -> list[Any]:
 
     The last, because iterative programs print the converged value last.
     """
-    found = [match[1] if match.re.groups else match[0]
-             for match in re.finditer(regex, text, re.MULTILINE)]
+    found = [
+        match[1] if match.re.groups else match[0]
+        for match in re.finditer(regex, text, re.MULTILINE)
+    ]
     if not found:
         raise Unreadable(f"nothing matches {regex!r}")
     return [number(word) for word in (found if several else found[-1:])]
@@ -45,8 +47,13 @@ def _inside(place: Any, step: str, pointer: str) -> Any:
         return place[step]
     if isinstance(place, list) and step.isdecimal() and int(step) < len(place):
         return place[int(step)]
-    there = (nearest(step, place) if isinstance(place, dict) else
-             f"it has {len(place)} items" if isinstance(place, list) else "it holds one value")
+    there = (
+        nearest(step, place)
+        if isinstance(place, dict)
+        else f"it has {len(place)} items"
+        if isinstance(place, list)
+        else "it holds one value"
+    )
     raise Unreadable(f"there is no '{step}' on the way of {pointer}; {there}")
 
 
@@ -56,18 +63,31 @@ def _flat(place: Any) -> list[Any]:
     return [place]
 
 
-def by_column(text: str, column: int | str, row: int | None, *, delimiter: str | None,
-              skip: int = 0, header: bool = True, comment: str = "#") -> list[float]:
+def by_column(
+    text: str,
+    column: int | str,
+    row: int | None,
+    *,
+    delimiter: str | None,
+    skip: int = 0,
+    header: bool = True,
+    comment: str = "#",
+) -> list[float]:
     """A column of a table, or its cell in `row`.
 
     delimiter: between cells; None for any white space. skip: lines left out at the top.
     header: the first line that counts names the columns.
     """
-    lines = [line for line in text.splitlines()[skip:]
-             if line.strip() and not (comment and line.lstrip().startswith(comment))]
-    cells = ([line.split() for line in lines] if delimiter is None
-             else [[cell.strip() for cell in line]
-                   for line in csv.reader(lines, delimiter=delimiter)])
+    lines = [
+        line
+        for line in text.splitlines()[skip:]
+        if line.strip() and not (comment and line.lstrip().startswith(comment))
+    ]
+    cells = (
+        [line.split() for line in lines]
+        if delimiter is None
+        else [[cell.strip() for cell in line] for line in csv.reader(lines, delimiter=delimiter)]
+    )
     names = cells.pop(0) if header and cells else []
     index = _column_index(column, names)
     values = [_cell(line, index, column) for line in cells]

@@ -63,17 +63,35 @@ class Command:
     Raises `StudyError` with all mistakes in the options.
     """
 
-    def __init__(self, command: list[str] | str, inputs: dict[str, Any], outputs: dict[str, Any],
-                 templates: dict[str, str] | None = None,
-                 files: list[str] | dict[str, str] | None = None,
-                 delimiters: list[str] | None = None, exit_codes: list[int] | None = None,
-                 timeout: float | str | None = None, keep: str | None = None,
-                 program_version: str = "", folder: Path | None = None):
-        given = {"command": command, "inputs": inputs, "outputs": outputs, "templates": templates,
-                 "files": files, "delimiters": delimiters, "exit_codes": exit_codes,
-                 "timeout": timeout, "keep": keep, "program_version": program_version}
+    def __init__(
+        self,
+        command: list[str] | str,
+        inputs: dict[str, Any],
+        outputs: dict[str, Any],
+        templates: dict[str, str] | None = None,
+        files: list[str] | dict[str, str] | None = None,
+        delimiters: list[str] | None = None,
+        exit_codes: list[int] | None = None,
+        timeout: float | str | None = None,
+        keep: str | None = None,
+        program_version: str = "",
+        folder: Path | None = None,
+    ):
+        given = {
+            "command": command,
+            "inputs": inputs,
+            "outputs": outputs,
+            "templates": templates,
+            "files": files,
+            "delimiters": delimiters,
+            "exit_codes": exit_codes,
+            "timeout": timeout,
+            "keep": keep,
+            "program_version": program_version,
+        }
         self.options, mistakes = settings.validated(
-            {option: value for option, value in given.items() if value is not None})
+            {option: value for option, value in given.items() if value is not None}
+        )
         self.folder = Path(folder or ".").resolve()
         self.texts, unreadable = _texts(self.options.templates.values(), self.folder)
         mistakes += [*unreadable, *checks.mistakes(self.options, self.folder, self.texts)]
@@ -95,16 +113,25 @@ class Command:
             except OSError as error:
                 raise SolverError(f"{words[0]} cannot be started: {error.strerror}") from error
             if status is None:
-                raise SolverError(_with_last_words(
-                    f"{words[0]} was stopped after {self.timeout:g} s; raise timeout and run with "
-                    "--retry-failed", place))
+                raise SolverError(
+                    _with_last_words(
+                        f"{words[0]} was stopped after {self.timeout:g} s; raise timeout and run with "
+                        "--retry-failed",
+                        place,
+                    )
+                )
             if status not in self.options.exit_codes:
                 accepted = ", ".join(map(str, self.options.exit_codes))
-                raise SolverError(_with_last_words(
-                    f"{words[0]} ended with {process.status_text(status)} "
-                    f"(accepted: {accepted})", place))
-            return {name: self._read(name, given, place)
-                    for name, given in self.options.outputs.items()}
+                raise SolverError(
+                    _with_last_words(
+                        f"{words[0]} ended with {process.status_text(status)} "
+                        f"(accepted: {accepted})",
+                        place,
+                    )
+                )
+            return {
+                name: self._read(name, given, place) for name, given in self.options.outputs.items()
+            }
 
     def _values(self, inputs: Mapping[str, float | str]) -> dict[str, float | str]:
         """A value for every input; nominal ones fill in."""
@@ -143,8 +170,10 @@ class Command:
             filled = placeholders.fill(self.texts[path], placeholder, values)
             # newline="": the template's own line ends are kept.
             (place / name).write_text(filled, encoding="utf-8", newline="")
-        words = [placeholders.fill(word, placeholder, values)
-                 for word in settings.arguments(self.options)]
+        words = [
+            placeholders.fill(word, placeholder, values)
+            for word in settings.arguments(self.options)
+        ]
         return [settings.program(words[0], self.folder) or words[0], *words[1:]]
 
     def _read(self, name: str, given: OutputOptions, place: Path) -> float | np.ndarray:
@@ -153,19 +182,26 @@ class Command:
         try:
             text = (place / file).read_text(encoding="utf-8-sig", errors="replace")
         except OSError as error:
-            raise SolverError(_with_last_words(f"{name}: the program ended well but did not write "
-                                               f"{file} ({error.strerror})", place)) from error
+            raise SolverError(
+                _with_last_words(
+                    f"{name}: the program ended well but did not write {file} ({error.strerror})",
+                    place,
+                )
+            ) from error
         try:
             values = np.array(_numbers(given, text))
         except readers.Unreadable as error:
             raise SolverError(_with_last_words(f"{name}: in {said} {error}", place)) from error
         shape = self.outputs[name].shape
         if values.size != np.prod(shape, dtype=int):
-            raise SolverError(f"{name}: {said} has {values.size} values where {shape or 'one'} "
-                              f"{'is' if shape == () else 'are'} expected; check dims and the file")
+            raise SolverError(
+                f"{name}: {said} has {values.size} values where {shape or 'one'} "
+                f"{'is' if shape == () else 'are'} expected; check dims and the file"
+            )
         if not np.isfinite(values).all():
-            raise SolverError(_with_last_words(
-                f"{name}: {said} has values that are not finite", place))
+            raise SolverError(
+                _with_last_words(f"{name}: {said} has values that are not finite", place)
+            )
         return values.reshape(shape) if shape else float(values[0])
 
 
@@ -176,8 +212,9 @@ def _check_value(name: str, value: float | str | None, known: Input) -> None:
     if known.levels and value not in known.levels:
         raise SolverError(f"{name}: '{value}' is unknown; {nearest(str(value), known.levels)}")
     if not known.levels and not low <= value <= high:
-        raise SolverError(f"{name}: {value:g} {known.unit}".rstrip() +
-                          f" is not between {low:g} and {high:g}")
+        raise SolverError(
+            f"{name}: {value:g} {known.unit}".rstrip() + f" is not between {low:g} and {high:g}"
+        )
 
 
 def _numbers(given: OutputOptions, text: str) -> list[float]:
@@ -187,8 +224,15 @@ def _numbers(given: OutputOptions, text: str) -> list[float]:
         return readers.by_pointer(text, given.pointer)
     table = given.csv or given.table
     delimiter = given.csv.delimiter if given.csv else None
-    return readers.by_column(text, table.column, table.row, delimiter=delimiter, skip=table.skip,
-                             header=table.header, comment=table.comment)
+    return readers.by_column(
+        text,
+        table.column,
+        table.row,
+        delimiter=delimiter,
+        skip=table.skip,
+        header=table.header,
+        comment=table.comment,
+    )
 
 
 def _with_last_words(sentence: str, place: Path) -> str:
@@ -204,8 +248,10 @@ def _texts(paths, folder: Path) -> tuple[dict[str, str], list[str]]:
             with open(folder / path, encoding="utf-8", newline="") as stream:
                 texts[path] = stream.read()
         except UnicodeDecodeError:
-            mistakes.append(f"templates: {folder / path} is not a text file in UTF-8; "
-                            "list it under files if it needs no filling")
+            mistakes.append(
+                f"templates: {folder / path} is not a text file in UTF-8; "
+                "list it under files if it needs no filling"
+            )
         except OSError:
             continue  # missing files are reported with the other options
     return texts, mistakes

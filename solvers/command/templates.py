@@ -30,8 +30,9 @@ def names(text: str, placeholder: re.Pattern[str]) -> set[str]:
     return {_split(found[1])[0] for found in placeholder.finditer(text)}
 
 
-def mistakes(text: str, where: str, placeholder: re.Pattern[str],
-             inputs: Mapping[str, Input]) -> Iterable[str]:
+def mistakes(
+    text: str, where: str, placeholder: re.Pattern[str], inputs: Mapping[str, Input]
+) -> Iterable[str]:
     """A sentence for each placeholder that no input fills or whose format does not work."""
     for found in placeholder.finditer(text):
         line = text.count("\n", 0, found.start()) + 1
@@ -43,20 +44,25 @@ def mistakes(text: str, where: str, placeholder: re.Pattern[str],
         try:
             _written(levels[0] if levels else 1.0, specification)
         except ValueError as error:
-            yield (f"{where}:{line}: '{found[0]}' has a format that does not work "
-                   f"({error}); write for instance {name}:.6e")
+            yield (
+                f"{where}:{line}: '{found[0]}' has a format that does not work "
+                f"({error}); write for instance {name}:.6e"
+            )
 
 
 def fill(text: str, placeholder: re.Pattern[str], values: Mapping[str, float | str]) -> str:
     """The text with every placeholder replaced; raises `SolverError` for a fractional `d`."""
+
     def replace(found: re.Match[str]) -> str:
         name, specification = _split(found[1])
         try:
             return _written(values[name], specification)
         except ValueError as error:
-            raise SolverError(f"{name}: {values[name]} cannot be written as '{specification}' "
-                              f"({error}); vary whole numbers only, or change the format"
-                              ) from error
+            raise SolverError(
+                f"{name}: {values[name]} cannot be written as '{specification}' "
+                f"({error}); vary whole numbers only, or change the format"
+            ) from error
+
     return placeholder.sub(replace, text)
 
 

@@ -37,22 +37,37 @@ from .scan.growing import GrownCohort, build_cohort, cohort_in
 from .scan.page import cohort_page, scan_page
 from .scan.summary import figures
 
-app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, no_args_is_help=True,
-                  context_settings={"help_option_names": ["-h", "--help"]},
-                  help="From the scan of a leg to the pressure under its bandage.")
+app = typer.Typer(
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="From the scan of a leg to the pressure under its bandage.",
+)
 
 Side = Annotated[str, typer.Option(help="right, left, or auto: the side that fits better.")]
-Unit = Annotated[str | None, typer.Option(
-    help="Of the file: mm, cm, inch or m; default: the one that makes the ankle an ankle.")]
-Up = Annotated[str | None, typer.Option(
-    metavar="AXIS", help="Axis of the file that points up the leg: z, -y ...; keeps the tilt.")]
-Front = Annotated[str | None, typer.Option(
-    metavar="AXIS", help="Axis of the file that points to the front; needs --up.")]
-Length = Annotated[float | None, typer.Option(
-    metavar="MM", help="Of the leg to take above the ankle; default: to the calf.")]
+Unit = Annotated[
+    str | None,
+    typer.Option(
+        help="Of the file: mm, cm, inch or m; default: the one that makes the ankle an ankle."
+    ),
+]
+Up = Annotated[
+    str | None,
+    typer.Option(
+        metavar="AXIS", help="Axis of the file that points up the leg: z, -y ...; keeps the tilt."
+    ),
+]
+Front = Annotated[
+    str | None,
+    typer.Option(metavar="AXIS", help="Axis of the file that points to the front; needs --up."),
+]
+Length = Annotated[
+    float | None,
+    typer.Option(metavar="MM", help="Of the leg to take above the ankle; default: to the calf."),
+]
 Ends = Annotated[bool, typer.Option("--ends", help="Cut where the scan ends.")]
-Html = Annotated[Path | None, typer.Option(
-    metavar="PAGE", help="Write a page that opens offline.")]
+Html = Annotated[Path | None, typer.Option(metavar="PAGE", help="Write a page that opens offline.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for scripts.")]
 
 
@@ -63,17 +78,33 @@ def _verbs() -> None:
 
 @app.command("fit-scan")
 def fit_scan_verb(
-        scan: Annotated[Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ.")],
-        side: Side = "auto", unit: Unit = None, up: Up = None, front: Front = None,
-        length: Length = None, ends: Ends = False,
-        cohort: Annotated[Path | None, typer.Option(
-            metavar="NPZ", help="Legs to learn the basis from; default: those that ship.")] = None,
-        modes: Annotated[int, typer.Option(min=1, max=10, help="Of the basis.")] = 4,
-        html: Html = None, as_json: AsJson = False) -> None:
+    scan: Annotated[Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ.")],
+    side: Side = "auto",
+    unit: Unit = None,
+    up: Up = None,
+    front: Front = None,
+    length: Length = None,
+    ends: Ends = False,
+    cohort: Annotated[
+        Path | None,
+        typer.Option(metavar="NPZ", help="Legs to learn the basis from; default: those that ship."),
+    ] = None,
+    modes: Annotated[int, typer.Option(min=1, max=10, help="Of the basis.")] = 4,
+    html: Html = None,
+    as_json: AsJson = False,
+) -> None:
     """Fit the scan of a leg: length, shape coordinates, error, landmarks."""
     _reachable(html)
-    fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends,
-                      **_learnt(cohort, modes))
+    fitted = fit_scan(
+        scan,
+        side=side,
+        unit=unit,
+        up=up,
+        front=front,
+        length=length,
+        ends=ends,
+        **_learnt(cohort, modes),
+    )
     if html is not None:
         html.write_text(scan_page(fitted), encoding="utf-8")
     if as_json:
@@ -86,25 +117,43 @@ def fit_scan_verb(
 
 @app.command("predict")
 def predict_verb(
-        scan: Annotated[Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ.")],
-        bandage: Annotated[str | None, typer.Option(
-            metavar="NAME", help=f"One of {', '.join(sorted(BANDAGES))}.")] = None,
-        tension: Annotated[float | None, typer.Option(
-            metavar="N/MM", help="Of the bandage per width at stretch 1.3, in place of a "
-                                 "name.")] = None,
-        stretch: Annotated[float, typer.Option(help="As laid: length over rest length.")] = 1.3,
-        mu_skin: Annotated[float | None, typer.Option(
-            help="Friction on the skin; default: 0.2, and the interval holds 0.1 to 0.3.")] = None,
-        solve: Annotated[bool, typer.Option(
-            "--solve", help="Run the finite element model too, on the scan's sections.")] = False,
-        mesh: Annotated[str | None, typer.Option(
-            help="For --solve: coarse (default), medium or fine.")] = None,
-        study: Annotated[Path | None, typer.Option(
-            metavar="YAML", help="Stored study to predict from; default: the one that "
-                                 "ships.")] = None,
-        side: Side = "auto", unit: Unit = None, up: Up = None, front: Front = None,
-        length: Length = None, ends: Ends = False, html: Html = None,
-        as_json: AsJson = False) -> None:
+    scan: Annotated[Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ.")],
+    bandage: Annotated[
+        str | None, typer.Option(metavar="NAME", help=f"One of {', '.join(sorted(BANDAGES))}.")
+    ] = None,
+    tension: Annotated[
+        float | None,
+        typer.Option(
+            metavar="N/MM", help="Of the bandage per width at stretch 1.3, in place of a name."
+        ),
+    ] = None,
+    stretch: Annotated[float, typer.Option(help="As laid: length over rest length.")] = 1.3,
+    mu_skin: Annotated[
+        float | None,
+        typer.Option(help="Friction on the skin; default: 0.2, and the interval holds 0.1 to 0.3."),
+    ] = None,
+    solve: Annotated[
+        bool,
+        typer.Option("--solve", help="Run the finite element model too, on the scan's sections."),
+    ] = False,
+    mesh: Annotated[
+        str | None, typer.Option(help="For --solve: coarse (default), medium or fine.")
+    ] = None,
+    study: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="YAML", help="Stored study to predict from; default: the one that ships."
+        ),
+    ] = None,
+    side: Side = "auto",
+    unit: Unit = None,
+    up: Up = None,
+    front: Front = None,
+    length: Length = None,
+    ends: Ends = False,
+    html: Html = None,
+    as_json: AsJson = False,
+) -> None:
     """Predict the pressure under a bandage on the leg of a scan, with its interval."""
     _reachable(html)
     worn = wear(bandage, tension, stretch, mu_skin)
@@ -128,17 +177,32 @@ def predict_verb(
 
 @app.command("build-cohort")
 def build_cohort_verb(
-        folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Of scans.")],
-        out: Annotated[Path, typer.Option(metavar="NPZ", help="The legs go here.")] =
-        Path("cohort.npz"),
-        side: Side = "auto", unit: Unit = None, up: Up = None, front: Front = None,
-        length: Length = None, ends: Ends = False, html: Html = None,
-        as_json: AsJson = False) -> None:
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Of scans.")],
+    out: Annotated[Path, typer.Option(metavar="NPZ", help="The legs go here.")] = Path(
+        "cohort.npz"
+    ),
+    side: Side = "auto",
+    unit: Unit = None,
+    up: Up = None,
+    front: Front = None,
+    length: Length = None,
+    ends: Ends = False,
+    html: Html = None,
+    as_json: AsJson = False,
+) -> None:
     """Learn a shape basis from a folder of scans; use it with fit-scan --cohort."""
     out = out.with_suffix(".npz")
     _reachable(out, html)
-    grown = build_cohort(folder, progress=lambda name: print(name, file=sys.stderr), side=side,
-                         unit=unit, up=up, front=front, length=length, ends=ends)
+    grown = build_cohort(
+        folder,
+        progress=lambda name: print(name, file=sys.stderr),
+        side=side,
+        unit=unit,
+        up=up,
+        front=front,
+        length=length,
+        ends=ends,
+    )
     with out.open("wb") as stream:
         write_cohort(stream, grown.cohort)
     if html is not None:
@@ -155,26 +219,40 @@ def _learnt(path: Path | None, modes: int) -> dict[str, Any]:
         return {"basis": shipped_basis(modes)}
     cohort = cohort_in(path)
     if modes > len(cohort) - 1:
-        raise ScanError(f"{modes} modes cannot be learnt from the {len(cohort)} legs in {path}; "
-                        f"give --modes {len(cohort) - 1} or fewer")
-    return {"basis": fit_basis(cohort.snapshots(), modes),
-            "lengths": (float(cohort.length.min()), float(cohort.length.max()))}
+        raise ScanError(
+            f"{modes} modes cannot be learnt from the {len(cohort)} legs in {path}; "
+            f"give --modes {len(cohort) - 1} or fewer"
+        )
+    return {
+        "basis": fit_basis(cohort.snapshots(), modes),
+        "lengths": (float(cohort.length.min()), float(cohort.length.max())),
+    }
 
 
 def _show_scan(scan: FittedScan, console: Console) -> None:
     told = figures(scan)
-    rows = [(name, f"{scan.coordinates[name]:.1f} mm" if name == "length"
-             else f"{scan.coordinates[name]:.4f}",
-             f"{low:.1f} .. {high:.1f}" if name == "length" else f"{low:.3f} .. {high:.3f}",
-             "inside" if scan.in_range[name] else "OUTSIDE")
-            for name, (low, high) in scan.ranges.items()]
+    rows = [
+        (
+            name,
+            f"{scan.coordinates[name]:.1f} mm"
+            if name == "length"
+            else f"{scan.coordinates[name]:.4f}",
+            f"{low:.1f} .. {high:.1f}" if name == "length" else f"{low:.3f} .. {high:.3f}",
+            "inside" if scan.in_range[name] else "OUTSIDE",
+        )
+        for name, (low, high) in scan.ranges.items()
+    ]
     console.print(_table(("coordinate", "value", "legs of the basis", ""), rows))
     error = scan.error
-    console.print(f"\nerror of the shape: {error.rms:.2f} mm RMS, {error.percentile_95:.2f} mm "
-                  f"95th percentile, {error.largest:.2f} mm at most\n", highlight=False)
-    rows = [(_LANDMARKS[name], *(_place(told["landmarks"][leg][name])
-                                 for leg in ("scanned", "fitted")))
-            for name in _LANDMARKS]
+    console.print(
+        f"\nerror of the shape: {error.rms:.2f} mm RMS, {error.percentile_95:.2f} mm "
+        f"95th percentile, {error.largest:.2f} mm at most\n",
+        highlight=False,
+    )
+    rows = [
+        (_LANDMARKS[name], *(_place(told["landmarks"][leg][name]) for leg in ("scanned", "fitted")))
+        for name in _LANDMARKS
+    ]
     console.print(_table(("landmark", "on the scan", "on the fitted leg"), rows))
     console.print()
     for note in scan.notes:
@@ -188,8 +266,7 @@ def _show_prediction(told: Prediction, console: Console) -> None:
     say(f"{told.scan.side} leg; {summary.worn_words(told)}\n")
     console.print(_table(("leg", "value", "runs", ""), summary.coordinate_rows(told)))
     say("")
-    console.print(_table(("pressure at B1", "mmHg", "95 % interval", "on"),
-                         summary.answers(told)))
+    console.print(_table(("pressure at B1", "mmHg", "95 % interval", "on"), summary.answers(told)))
     say("")
     console.print(_table(("interval", "mmHg", "is"), summary.parts(told)))
     say("")
@@ -197,8 +274,12 @@ def _show_prediction(told: Prediction, console: Console) -> None:
         say(f"- {note}")
 
 
-_LANDMARKS = {"ankle": "ankle, narrowest", "b1_girth": "B1, girth rule",
-              "b1_profile": "B1, profile rule", "calf": "calf, widest"}
+_LANDMARKS = {
+    "ankle": "ankle, narrowest",
+    "b1_girth": "B1, girth rule",
+    "b1_profile": "B1, profile rule",
+    "calf": "calf, widest",
+}
 
 
 def _place(landmark: dict[str, float] | None) -> str:
@@ -210,21 +291,39 @@ def _place(landmark: dict[str, float] | None) -> str:
 def _show_cohort(grown: GrownCohort, out: Path, console: Console) -> None:
     for name, why in grown.skipped.items():
         console.print(f"skipped {name}: {why}", highlight=False, markup=False, soft_wrap=True)
-    rows = [(str(loss.modes), f"{loss.rms:.2f}", f"{loss.percentile_95:.2f}",
-             f"{loss.largest:.2f}", f"{loss.left_out_95:.2f}") for loss in grown.losses]
+    rows = [
+        (
+            str(loss.modes),
+            f"{loss.rms:.2f}",
+            f"{loss.percentile_95:.2f}",
+            f"{loss.largest:.2f}",
+            f"{loss.left_out_95:.2f}",
+        )
+        for loss in grown.losses
+    ]
     headings = ("modes", "RMS, mm", "95 %, mm", "largest, mm", "95 % left out, mm")
     console.print(_table(headings, rows))
-    console.print(f"\n{len(grown.cohort)} legs are in {out}; next: leg-bandage fit-scan SCAN "
-                  f"--cohort {out}", highlight=False, markup=False, soft_wrap=True)
+    console.print(
+        f"\n{len(grown.cohort)} legs are in {out}; next: leg-bandage fit-scan SCAN --cohort {out}",
+        highlight=False,
+        markup=False,
+        soft_wrap=True,
+    )
 
 
 def _grown_figures(grown: GrownCohort, out: Path) -> dict[str, Any]:
     facts = grown.cohort.facts
-    return {"cohort": str(out), "skipped": dict(grown.skipped),
-            "legs": [{"file": str(file), "side": str(side), "length": float(length)}
-                     for file, side, length in zip(facts["file"], facts["side"],
-                                                   grown.cohort.length, strict=True)],
-            "losses": [asdict(loss) for loss in grown.losses]}
+    return {
+        "cohort": str(out),
+        "skipped": dict(grown.skipped),
+        "legs": [
+            {"file": str(file), "side": str(side), "length": float(length)}
+            for file, side, length in zip(
+                facts["file"], facts["side"], grown.cohort.length, strict=True
+            )
+        ],
+        "losses": [asdict(loss) for loss in grown.losses],
+    }
 
 
 def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
@@ -240,8 +339,10 @@ def _reachable(*paths: Path | None) -> None:
     """Raise ScanError for files that cannot be written, before anything takes its time."""
     for path in paths:
         if path is not None and (not path.parent.is_dir() or path.is_dir()):
-            raise ScanError(f"{path}: cannot be written; the folder {path.parent} must be there "
-                            "and the name be that of a file")
+            raise ScanError(
+                f"{path}: cannot be written; the folder {path.parent} must be there "
+                "and the name be that of a file"
+            )
 
 
 def main() -> None:

@@ -69,11 +69,21 @@ class LegBandage:
     version = "3"
     outputs = OUTPUTS
 
-    def __init__(self, mesh: str = "medium", end: str = "clipped", leg_ends: str = "free",
-                 b1_rule: str = "girth", fabric: str | None = None, cohort: str | None = None,
-                 linear_solver: str = "auto", folder: Path | None = None):
+    def __init__(
+        self,
+        mesh: str = "medium",
+        end: str = "clipped",
+        leg_ends: str = "free",
+        b1_rule: str = "girth",
+        fabric: str | None = None,
+        cohort: str | None = None,
+        linear_solver: str = "auto",
+        folder: Path | None = None,
+    ):
         for name, value, allowed in (
-            ("mesh", mesh, MESHES), ("end", end, ("clipped", "held")), ("b1_rule", b1_rule, RULES),
+            ("mesh", mesh, MESHES),
+            ("end", end, ("clipped", "held")),
+            ("b1_rule", b1_rule, RULES),
             ("leg_ends", leg_ends, ("free", "no_axial", "pinned")),
             ("linear_solver", linear_solver, (*ENGINES, "auto")),
         ):
@@ -82,15 +92,21 @@ class LegBandage:
         self.mesh, self.b1_rule, self.solver = MESHES[mesh], b1_rule, linear_solver
         self.ends = Ends(free=end, leg=leg_ends)
         chosen = None if fabric is None else _named(fabric)
-        self.fabric, self.curve = (NOMINAL, CURVED) if chosen is None else \
-            (chosen.fabric, chosen.curve)
+        self.fabric, self.curve = (
+            (NOMINAL, CURVED) if chosen is None else (chosen.fabric, chosen.curve)
+        )
         shapes = shapes_in(cohort, folder)
         self.basis = shapes.basis
         self.inputs = {**INPUTS, **shapes.inputs, **({} if chosen is None else _nominal(chosen))}
         #: What answers hang on besides the inputs: runs with the same are the same runs.
-        self.identity_options = {"mesh": mesh, "end": end, "leg_ends": leg_ends,
-                                 "b1_rule": b1_rule, "curve": self.curve,
-                                 "cohort": shapes.identity}
+        self.identity_options = {
+            "mesh": mesh,
+            "end": end,
+            "leg_ends": leg_ends,
+            "b1_rule": b1_rule,
+            "curve": self.curve,
+            "cohort": shapes.identity,
+        }
 
     def __call__(self, **inputs: float | str) -> dict[str, float | np.ndarray]:
         """The outputs at these inputs; what is not given has its nominal value."""
@@ -106,24 +122,33 @@ class LegBandage:
         start = time.perf_counter()
         q = complete(self.inputs, inputs)
         if leg is None:
-            leg = Leg.from_alphas(q["leg_length"], [q[f"alpha{i}"] for i in range(1, 5)],
-                                  self.basis)
+            leg = Leg.from_alphas(
+                q["leg_length"], [q[f"alpha{i}"] for i in range(1, 5)], self.basis
+            )
         elif twice := [name for name in inputs if name in SHAPE]:
-            raise SolverError(f"{twice[0]}: the leg that is given has its own shape; leave "
-                              f"{', '.join(twice)} out")
+            raise SolverError(
+                f"{twice[0]}: the leg that is given has its own shape; leave {', '.join(twice)} out"
+            )
         check_leg(leg)
         leg = leg.extended(BELOW, ABOVE)
         wrap = wrap_for(
-            leg.length, overlap=q["overlap"], width=q["width"], stretch=q["stretch"],
-            thickness=q["thickness"], start_height=q["start_height"])
+            leg.length,
+            overlap=q["overlap"],
+            width=q["width"],
+            stretch=q["stretch"],
+            thickness=q["thickness"],
+            start_height=q["start_height"],
+        )
         model, u = self._solve(leg, wrap, self._material(q), q["wrapping"])
         values = answers(leg, model, u, self.b1_rule, q["sensor_around"], q["sensor_up"])
         return Result(leg, model, u, values, time.perf_counter() - start)
 
-    def _solve(self, leg: Leg, wrap: Wrap, material: Material, wrapping: str) -> tuple[
-            Model, np.ndarray]:
-        laid = lay(leg.surface, wrap, element_rows(leg.surface, wrap, self.mesh.around),
-                   self.mesh.across)
+    def _solve(
+        self, leg: Leg, wrap: Wrap, material: Material, wrapping: str
+    ) -> tuple[Model, np.ndarray]:
+        laid = lay(
+            leg.surface, wrap, element_rows(leg.surface, wrap, self.mesh.around), self.mesh.across
+        )
         mesh = mesh_leg(leg, bone_of(leg), self.mesh)
         given = {"material": material, "ends": self.ends, "solver": self.solver}
         if wrapping == "progressive":
@@ -133,12 +158,24 @@ class LegBandage:
 
     def _material(self, q) -> Material:
         fabric = replace(
-            self.fabric, K2=q["K2"], nu12=q["nu12"], G=q["G"], F1=q["bending"], F2=q["bending"],
-            tau12=0.4 * q["bending"], thickness=q["thickness"], wrinkled=WRINKLED,
-            curve=self.curve if q["tension_law"] == "curved" else ())
+            self.fabric,
+            K2=q["K2"],
+            nu12=q["nu12"],
+            G=q["G"],
+            F1=q["bending"],
+            F2=q["bending"],
+            tau12=0.4 * q["bending"],
+            thickness=q["thickness"],
+            wrinkled=WRINKLED,
+            curve=self.curve if q["tension_law"] == "curved" else (),
+        )
         return Material(
-            fabric=at_tension(q["tension"], fabric), c10=q["c10"] / 1000, kappa=q["kappa"],
-            mu_skin=q["mu_skin"], mu_bandage=q["mu_bandage"])
+            fabric=at_tension(q["tension"], fabric),
+            c10=q["c10"] / 1000,
+            kappa=q["kappa"],
+            mu_skin=q["mu_skin"],
+            mu_bandage=q["mu_bandage"],
+        )
 
 
 def _named(fabric: str) -> Bandage:
@@ -151,6 +188,9 @@ def _named(fabric: str) -> Bandage:
 def _nominal(chosen: Bandage) -> Mapping[str, Input]:
     """The inputs whose nominal values are a named bandage's."""
     values = {name: getattr(chosen.fabric, name) for name in ("K2", "nu12", "G", "thickness")}
-    values |= {"bending": chosen.fabric.F1, "width": chosen.width,
-               "tension": float(chosen.fabric.tension(np.array(STRETCH)))}
+    values |= {
+        "bending": chosen.fabric.F1,
+        "width": chosen.width,
+        "tension": float(chosen.fabric.tension(np.array(STRETCH))),
+    }
     return {name: replace(INPUTS[name], nominal=value) for name, value in values.items()}

@@ -19,9 +19,14 @@ class RunsBar:
     def __init__(self, name: str):
         self.console = Console(stderr=True)
         self.bar = Progress(
-            TextColumn(name), BarColumn(), MofNCompleteColumn(),
-            TextColumn("{task.fields[note]}"), console=self.console, refresh_per_second=5,
-            disable=not self.console.is_terminal)
+            TextColumn(name),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("{task.fields[note]}"),
+            console=self.console,
+            refresh_per_second=5,
+            disable=not self.console.is_terminal,
+        )
         self.task = None
         self.tenth = -1
 

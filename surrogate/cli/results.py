@@ -1,13 +1,13 @@
 """What lies in results/<study>/, and the whole way from a study to its report.
 
-    journal/              every finished run, as it finishes
-    runs.nc               the runs dataset
-    comparison.nc, sensitivity.nc, regression.nc, validation.nc
-    surrogates/*.json     surrogates that evaluate without this package
-    summary.json          the figures of the report, for scripts
-    study.yaml            the study as run
-    study_reduced.yaml    the study without the parameters that may be frozen
-    report.html           opens offline
+journal/              every finished run, as it finishes
+runs.nc               the runs dataset
+comparison.nc, sensitivity.nc, regression.nc, validation.nc
+surrogates/*.json     surrogates that evaluate without this package
+summary.json          the figures of the report, for scripts
+study.yaml            the study as run
+study_reduced.yaml    the study without the parameters that may be frozen
+report.html           opens offline
 """
 
 from __future__ import annotations
@@ -64,29 +64,42 @@ def folder_of(study: Study, results: Path | None) -> Path:
     return study.folder if results is None else results / study.name
 
 
-def complete(study: Study, folder: Path, *, workers: int | None = None,
-             retry_failed: bool = False, fresh: bool = False,
-             progress: Callable[[Progress], None] | None = None) -> Outcome:
+def complete(
+    study: Study,
+    folder: Path,
+    *,
+    workers: int | None = None,
+    retry_failed: bool = False,
+    fresh: bool = False,
+    progress: Callable[[Progress], None] | None = None,
+) -> Outcome:
     """Do the missing runs (`fresh`: all of them again), then everything that follows from them.
 
     The missing runs of a study that gives the cases of validation are done too.
     Raises KeyboardInterrupt when stopped; all finished runs are kept.
     """
     try:
-        runs = study.run(workers=workers, results=folder, retry_failed=retry_failed,
-                         fresh=fresh, progress=progress)
+        runs = study.run(
+            workers=workers,
+            results=folder,
+            retry_failed=retry_failed,
+            fresh=fresh,
+            progress=progress,
+        )
         reference = study.validation and study.validation.reference
         if reference is not None:
-            reference.run(workers=workers, results=study.beside(reference, folder),
-                          progress=progress)
+            reference.run(
+                workers=workers, results=study.beside(reference, folder), progress=progress
+            )
     except KeyboardInterrupt:
         rundata.save(study.stored(folder), folder / RUNS)
         raise
     return analyse(study, folder, runs)
 
 
-def analyse(study: Study, folder: Path, runs: xr.Dataset | None = None, *,
-            again: bool = False) -> Outcome:
+def analyse(
+    study: Study, folder: Path, runs: xr.Dataset | None = None, *, again: bool = False
+) -> Outcome:
     """Everything that follows from the runs: fits, tables, indices, decision, report.
 
     runs: default, what the journal and stored files hold. Nothing is done when all files are
@@ -122,8 +135,10 @@ def validate(study: Study, folder: Path, cases: Path | None = None) -> tuple[xr.
     `ResultsError` when there is nothing to set beside them.
     """
     if cases is None and study.validation is None:
-        raise StudyError("the study has no validation: and no cases are given; add "
-                         "validation: {cases: FILE.csv} or give --cases FILE")
+        raise StudyError(
+            "the study has no validation: and no cases are given; add "
+            "validation: {cases: FILE.csv} or give --cases FILE"
+        )
     runs = study.stored(folder)
     fits = study.fit(runs)
     table = study.validate(fits, cases, results=folder)
@@ -155,27 +170,48 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
     cases, trouble = _cases(study, folder)
     validation = study.validate(fits, cases) if cases is not None else None
     not_done = study.unfitted(runs, fits) + unmeasured + trouble
-    for outdated in (folder / SUMMARY, *(folder / f"{name}.nc" for name in DERIVED),
-                     folder / "study_reduced.yaml", *(folder / "surrogates").glob("*.json")):
+    for outdated in (
+        folder / SUMMARY,
+        *(folder / f"{name}.nc" for name in DERIVED),
+        folder / "study_reduced.yaml",
+        *(folder / "surrogates").glob("*.json"),
+    ):
         outdated.unlink(missing_ok=True)
     rundata.save(runs, folder / RUNS)
-    for name, dataset in zip(DERIVED, (table, indices, _tree(regressions), validation),
-                             strict=True):
+    for name, dataset in zip(
+        DERIVED, (table, indices, _tree(regressions), validation), strict=True
+    ):
         if dataset is not None:
             rundata.save(dataset, folder / f"{name}.nc")
     _save_portable(fits, folder / "surrogates")
     write_text(folder / "study.yaml", study.text)
     if reduced:
         write_text(folder / "study_reduced.yaml", reduced)
-    study.report(runs, fits, table, indices, screening=screening, validation=validation,
-                 reduced=reduced, not_done=not_done).save(folder / REPORT)
-    summary = {"study": study.name, "stamp": stamp, "runs": rundata.counts(runs),
-               "stored": rundata.described(runs, "stored"),
-               "comparison": figures_of(table), "sensitivity": figures_of(indices),
-               "regression": {name: {output: figures_of(one) for output, one in by.items()}
-                              for name, by in regressions.items()},
-               "screening": plain(screening.summary()) if screening else None,
-               "validation": figures_of(validation), "not_done": not_done}
+    study.report(
+        runs,
+        fits,
+        table,
+        indices,
+        screening=screening,
+        validation=validation,
+        reduced=reduced,
+        not_done=not_done,
+    ).save(folder / REPORT)
+    summary = {
+        "study": study.name,
+        "stamp": stamp,
+        "runs": rundata.counts(runs),
+        "stored": rundata.described(runs, "stored"),
+        "comparison": figures_of(table),
+        "sensitivity": figures_of(indices),
+        "regression": {
+            name: {output: figures_of(one) for output, one in by.items()}
+            for name, by in regressions.items()
+        },
+        "screening": plain(screening.summary()) if screening else None,
+        "validation": figures_of(validation),
+        "not_done": not_done,
+    }
     write_text(folder / SUMMARY, json.dumps(summary, indent=1, allow_nan=False))
     return Outcome(folder, summary, _trouble(runs, not_done))
 
@@ -192,15 +228,25 @@ def _stamp(study: Study, runs: xr.Dataset, cases: Cases | None) -> str:
     """Digest of all that the derived files depend on."""
     digest = hashlib.sha256(study.text.encode())
     if cases is not None:
-        digest.update(repr([(name, column.tolist()) for name, column in cases.columns.items()]
-                           + [cases.labels]).encode())
+        digest.update(
+            repr(
+                [(name, column.tolist()) for name, column in cases.columns.items()] + [cases.labels]
+            ).encode()
+        )
     models = study.validation.models if study.validation else {}
-    digest.update(json.dumps([rundata.versions(), {name: recipe.context for name, recipe
-                                                   in models.items()}], sort_keys=True).encode())
+    digest.update(
+        json.dumps(
+            [rundata.versions(), {name: recipe.context for name, recipe in models.items()}],
+            sort_keys=True,
+        ).encode()
+    )
     for name in sorted(map(str, runs.data_vars)):
         values = runs[name].values
-        digest.update(np.ascontiguousarray(values if values.dtype.kind in "fiuM"
-                                           else values.astype("U")).tobytes())
+        digest.update(
+            np.ascontiguousarray(
+                values if values.dtype.kind in "fiuM" else values.astype("U")
+            ).tobytes()
+        )
     return digest.hexdigest()[:16]
 
 
@@ -211,8 +257,9 @@ def _read_summary(folder: Path) -> dict[str, Any]:
     return {}
 
 
-def _indices(study: Study, fits: Fits, runs: xr.Dataset, table: xr.Dataset | None) -> tuple[
-        xr.Dataset | None, list[str]]:
+def _indices(
+    study: Study, fits: Fits, runs: xr.Dataset, table: xr.Dataset | None
+) -> tuple[xr.Dataset | None, list[str]]:
     """Sensitivity indices, or why there are none: the rest of the report stands without them."""
     try:
         return study.sensitivity(fits, runs, table), []
@@ -224,15 +271,21 @@ def _trouble(runs: xr.Dataset, not_done: list[str]) -> str:
     counts = rundata.counts(runs)
     words = {"failed": "failed", "timed_out": "timed out", "missing": "not done yet"}
     found = [f"{counts[key]} {word}" for key, word in words.items() if counts[key]]
-    sentences = [f"of {runs.sizes['run']} runs: {', '.join(found)}; `surrogate status` says why"] \
-        if found else []
+    sentences = (
+        [f"of {runs.sizes['run']} runs: {', '.join(found)}; `surrogate status` says why"]
+        if found
+        else []
+    )
     return "\n".join([*sentences, *not_done])
 
 
 def _tree(regressions: Mapping[str, Mapping[str, xr.Dataset]]) -> xr.DataTree | None:
     """A group per surrogate; with several outputs, a group per output inside it."""
-    groups = {f"/{name}" if len(by) == 1 else f"/{name}/{output}": table
-              for name, by in regressions.items() for output, table in by.items()}
+    groups = {
+        f"/{name}" if len(by) == 1 else f"/{name}/{output}": table
+        for name, by in regressions.items()
+        for output, table in by.items()
+    }
     return xr.DataTree.from_dict(groups) if groups else None
 
 
@@ -250,10 +303,13 @@ def figures_of(dataset: xr.Dataset | None) -> dict[str, Any] | None:
     """A dataset's numbers as JSON data."""
     if dataset is None:
         return None
-    return {"attributes": {str(k): plain(v) for k, v in dataset.attrs.items()},
-            **{str(name): {"dimensions": list(map(str, values.dims)),
-                           "values": plain(values.values)}
-               for name, values in {**dataset.coords, **dataset.data_vars}.items()}}
+    return {
+        "attributes": {str(k): plain(v) for k, v in dataset.attrs.items()},
+        **{
+            str(name): {"dimensions": list(map(str, values.dims)), "values": plain(values.values)}
+            for name, values in {**dataset.coords, **dataset.data_vars}.items()
+        },
+    }
 
 
 def plain(value: Any) -> Any:

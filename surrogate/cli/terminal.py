@@ -52,39 +52,60 @@ def check(study: Study, results: Path) -> Page:
     """Parameters, designs, aliasing, run count, time estimate."""
     stored = study.stored(results)
     counts = rundata.counts(stored)
-    parameters = [(p.name, p.unit, ", ".join(p.levels) if p.categorical else str(p.distribution))
-                  for p in study.space.parameters]
-    designs = [(d.name, d.method, d.runs, ", ".join(f"{m} {n}" for m, n in d.added))
-               for d in study.designs.values()]
+    parameters = [
+        (p.name, p.unit, ", ".join(p.levels) if p.categorical else str(p.distribution))
+        for p in study.space.parameters
+    ]
+    designs = [
+        (d.name, d.method, d.runs, ", ".join(f"{m} {n}" for m, n in d.added))
+        for d in study.designs.values()
+    ]
     aliases = study.aliases
-    parts: list[Any] = [f"{study.name}: {study.about}\n",
-                        table("parameters", ("name", "unit", "values"), parameters), ""]
+    parts: list[Any] = [
+        f"{study.name}: {study.about}\n",
+        table("parameters", ("name", "unit", "values"), parameters),
+        "",
+    ]
     if study.constants:
-        rows = [(name, study.recipe.solver.inputs[name].unit, value)
-                for name, value in study.constants.items()]
+        rows = [
+            (name, study.recipe.solver.inputs[name].unit, value)
+            for name, value in study.constants.items()
+        ]
         parts += [table("constants", ("name", "unit", "value"), rows), ""]
     parts += [table("designs", ("name", "method", "runs", "of these added"), designs), ""]
     for name, alias in aliases.items():
         parts.append(f"aliasing of {name}: {alias}\n")
     parts += [_surrogate_line(study), _runs_line(study, stored, counts), *study.unused]
-    data = {"study": study.name, "solver": study.recipe.name,
-            "parameters": [dict(zip(("name", "unit", "values"), row, strict=True))
-                           for row in parameters],
-            "constants": dict(study.constants),
-            "designs": {name: {"method": d.method, "runs": d.runs}
-                        for name, d in study.designs.items()},
-            "aliasing": {name: {"resolution": a.resolution,
-                                "word_length_pattern": a.word_length_pattern,
-                                "table": a.table} for name, a in aliases.items()},
-            "runs": counts, "stored": rundata.described(stored, "stored"),
-            "unused": study.unused,
-            "seconds_left": rundata.seconds_left(stored, study.workers)}
+    data = {
+        "study": study.name,
+        "solver": study.recipe.name,
+        "parameters": [
+            dict(zip(("name", "unit", "values"), row, strict=True)) for row in parameters
+        ],
+        "constants": dict(study.constants),
+        "designs": {
+            name: {"method": d.method, "runs": d.runs} for name, d in study.designs.items()
+        },
+        "aliasing": {
+            name: {
+                "resolution": a.resolution,
+                "word_length_pattern": a.word_length_pattern,
+                "table": a.table,
+            }
+            for name, a in aliases.items()
+        },
+        "runs": counts,
+        "stored": rundata.described(stored, "stored"),
+        "unused": study.unused,
+        "seconds_left": rundata.seconds_left(stored, study.workers),
+    }
     return Page(data, parts)
 
 
 def _surrogate_line(study: Study) -> str:
-    named = [f"{s.name} ({s.method}, from {' + '.join(s.train)})"
-             for s in study.surrogates.values()]
+    named = [
+        f"{s.name} ({s.method}, from {' + '.join(s.train)})" for s in study.surrogates.values()
+    ]
     return f"surrogates: {', '.join(named) or 'none'}"
 
 
@@ -95,8 +116,11 @@ def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int]) -> s
     if not left:
         return f"runs: all {total} are stored{from_files}; nothing is left to run"
     seconds = rundata.seconds_left(stored, study.workers)
-    time = "time unknown until the first run is done" if seconds is None else \
-        f"about {duration(seconds)} with {study.workers} workers"
+    time = (
+        "time unknown until the first run is done"
+        if seconds is None
+        else f"about {duration(seconds)} with {study.workers} workers"
+    )
     return f"runs: {total}, of which {total - left} are stored{from_files}; {left} to do: {time}"
 
 
@@ -105,12 +129,19 @@ def status(study: Study, results: Path) -> Page:
     stored = study.stored(results)
     counts = rundata.counts(stored)
     words = {"ok": "done", "failed": "failed", "timed_out": "timed out", "missing": "left"}
-    parts: list[Any] = [f"{study.name}: " + ", ".join(
-        f"{counts[key]} {word}" for key, word in words.items() if counts[key])]
+    parts: list[Any] = [
+        f"{study.name}: "
+        + ", ".join(f"{counts[key]} {word}" for key, word in words.items() if counts[key])
+    ]
     troubled = rundata.select(stored, statuses=("failed", "timed_out"))
-    reasons = dict.fromkeys(f"run {run}: {message}" for run, message in zip(
-        np.flatnonzero(np.isin(stored["status"], ("failed", "timed_out"))),
-        troubled["message"].values, strict=True))
+    reasons = dict.fromkeys(
+        f"run {run}: {message}"
+        for run, message in zip(
+            np.flatnonzero(np.isin(stored["status"], ("failed", "timed_out"))),
+            troubled["message"].values,
+            strict=True,
+        )
+    )
     parts += [f"  {reason}" for reason in list(reasons)[:10]]
     if len(reasons) > 10:
         parts.append(f"  and {len(reasons) - 10} more; the report lists all")
@@ -119,12 +150,22 @@ def status(study: Study, results: Path) -> Page:
         parts.append(_runs_line(study, stored, counts))
     waiting = interrupted(study.journal(results))
     if waiting:
-        parts.append(f"a recomputation was interrupted after {waiting} runs; "
-                     "`surrogate run --fresh` goes on with it")
+        parts.append(
+            f"a recomputation was interrupted after {waiting} runs; "
+            "`surrogate run --fresh` goes on with it"
+        )
     parts += study.unused
-    return Page({"study": study.name, "runs": counts, "stored": files, "unused": study.unused,
-                 "fresh": waiting,
-                 "seconds_left": rundata.seconds_left(stored, study.workers)}, parts)
+    return Page(
+        {
+            "study": study.name,
+            "runs": counts,
+            "stored": files,
+            "unused": study.unused,
+            "fresh": waiting,
+            "seconds_left": rundata.seconds_left(stored, study.workers),
+        },
+        parts,
+    )
 
 
 def store(study: Study, results: Path, to: Path | None) -> Page:
@@ -138,8 +179,9 @@ def store(study: Study, results: Path, to: Path | None) -> Page:
     name = Path(os.path.relpath(path, study.place)).as_posix()
     named = name in (file.name for file in study.stored_runs)
     parts.append("the study names it already" if named else f"add to the study:\n\nstored: {name}")
-    return Page({"file": str(path), "runs": done, "missing": counts["missing"],
-                 "stored": name}, parts)
+    return Page(
+        {"file": str(path), "runs": done, "missing": counts["missing"], "stored": name}, parts
+    )
 
 
 def validate(study: Study, results: Path, cases: Path | None) -> Page:
@@ -153,30 +195,43 @@ def _validation_tables(figures: Mapping[str, Any]) -> list[Any]:
     """How many cases, which were set aside, and a table for each output."""
     inside, why = figures["inside"]["values"], figures["outside"]["values"]
     labels, models = figures["case"]["values"], figures["model"]["values"]
-    parts: list[Any] = [f"validation: {len(inside)} cases from {figures['attributes']['cases']}, "
-                        f"{inside.count(False)} outside the ranges and set aside"]
+    parts: list[Any] = [
+        f"validation: {len(inside)} cases from {figures['attributes']['cases']}, "
+        f"{inside.count(False)} outside the ranges and set aside"
+    ]
     aside = [f"  {label}: {words}" for label, words in zip(labels, why, strict=True) if words]
     parts += aside[:10] + [f"  and {len(aside) - 10} more; the page lists all"] * (len(aside) > 10)
     parts += [f"  {note}" for note in figures["attributes"]["notes"].split("\n") if note]
     units = figures["units"]["values"]
     for k, output in enumerate(figures["output"]["values"]):
-        rows = [(title, *(_agreed(figures, key, k, j) for j in range(len(models))))
-                for key, title in _AGREEMENT.items()]
+        rows = [
+            (title, *(_agreed(figures, key, k, j) for j in range(len(models))))
+            for key, title in _AGREEMENT.items()
+        ]
         parts.append(table(f"{output} ({units[k] or '-'})", ("", *models), rows))
     return parts
 
 
-_AGREEMENT = {"n": "cases", "slope": "slope through origin", "r2": "R2, 1 - SSE/SST",
-              "r2_correlation": "R2, correlation", "mean_error_percent": "mean error (%)",
-              "rmse": "RMSE", "bias": "bias", "lower_limit": "lower limit of agreement",
-              "upper_limit": "upper limit of agreement",
-              "coverage_95": "share in 95 % intervals"}
+_AGREEMENT = {
+    "n": "cases",
+    "slope": "slope through origin",
+    "r2": "R2, 1 - SSE/SST",
+    "r2_correlation": "R2, correlation",
+    "mean_error_percent": "mean error (%)",
+    "rmse": "RMSE",
+    "bias": "bias",
+    "lower_limit": "lower limit of agreement",
+    "upper_limit": "upper limit of agreement",
+    "coverage_95": "share in 95 % intervals",
+}
 
 
 def _agreed(figures: Mapping[str, Any], key: str, output: int, model: int) -> str:
     """A figure of agreement in three digits, with its interval when it has one."""
-    value, low, high = (_value(figures[name], output, model) if name in figures else None
-                        for name in (key, f"{key}_low", f"{key}_high"))
+    value, low, high = (
+        _value(figures[name], output, model) if name in figures else None
+        for name in (key, f"{key}_low", f"{key}_high")
+    )
     if value is None:
         return "-"
     return f"{value:.3g}" + (f" [{low:.3g}, {high:.3g}]" if None not in (low, high) else "")
@@ -197,11 +252,19 @@ def outcome(study: Study, done: Outcome) -> Page:
     return Page({**figures, "report": str(done.report)}, parts)
 
 
-_COMPARED = {"q2_cv": "Q2 (left out)", "q2_test": "Q2 (test)", "rmse_test": "RMSE (test)",
-             "rmse_cv": "RMSE (left out)"}
-_INDICES = {"first_order": "first order", "total": "total",
-            "group_first_order": "first order", "group_total": "total",
-            "group_shapley": "share of the variance"}
+_COMPARED = {
+    "q2_cv": "Q2 (left out)",
+    "q2_test": "Q2 (test)",
+    "rmse_test": "RMSE (test)",
+    "rmse_cv": "RMSE (left out)",
+}
+_INDICES = {
+    "first_order": "first order",
+    "total": "total",
+    "group_first_order": "first order",
+    "group_total": "total",
+    "group_shapley": "share of the variance",
+}
 
 
 def _figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> list[Table]:
@@ -209,26 +272,40 @@ def _figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> lis
 
     Columns are the variables in `titles`; all flat ones when none of the titles is there.
     """
-    rows_of = {key: next(d for d in figure["dimensions"] if d != "output")
-               for key, figure in figures.items()
-               if len(figure.get("dimensions", ())) == 2 and "output" in figure["dimensions"]}
+    rows_of = {
+        key: next(d for d in figure["dimensions"] if d != "output")
+        for key, figure in figures.items()
+        if len(figure.get("dimensions", ())) == 2 and "output" in figure["dimensions"]
+    }
     made = []
-    for (k, output), kind in product(enumerate(figures["output"]["values"]),
-                                     dict.fromkeys(rows_of.values())):
+    for (k, output), kind in product(
+        enumerate(figures["output"]["values"]), dict.fromkeys(rows_of.values())
+    ):
         own = [key for key, rows in rows_of.items() if rows == kind]
-        columns = {key: title for key, title in titles.items() if key in own} or \
-            {key: key.replace("_", " ") for key in own
-             if not key.endswith(("_low", "_high", "_sampling", "_surrogate"))}
-        made.append(table(output, (kind, *columns.values()),
-                          [(name, *(_cell(figures, key, k, j) for key in columns))
-                           for j, name in enumerate(figures[kind]["values"])]))
+        columns = {key: title for key, title in titles.items() if key in own} or {
+            key: key.replace("_", " ")
+            for key in own
+            if not key.endswith(("_low", "_high", "_sampling", "_surrogate"))
+        }
+        made.append(
+            table(
+                output,
+                (kind, *columns.values()),
+                [
+                    (name, *(_cell(figures, key, k, j) for key in columns))
+                    for j, name in enumerate(figures[kind]["values"])
+                ],
+            )
+        )
     return made
 
 
 def _cell(figures: Mapping[str, Any], key: str, output: int, row: int) -> Any:
     """A figure, with its interval when it has one."""
-    value, low, high = (_value(figures[name], output, row) if name in figures else None
-                        for name in (key, f"{key}_low", f"{key}_high"))
+    value, low, high = (
+        _value(figures[name], output, row) if name in figures else None
+        for name in (key, f"{key}_low", f"{key}_high")
+    )
     if value is None:
         return "-"
     return value if low is None or high is None else f"{value:.4f} [{low:.4f}, {high:.4f}]"
@@ -246,8 +323,9 @@ def _screening_line(screening: Mapping[str, Any]) -> str:
     return f"screening: keep {', '.join(screening['keep']) or 'nothing'}; may be frozen: {frozen}"
 
 
-def predict(study: Study, results: Path, surrogate: str | None, words: Sequence[str],
-            points: Path | None) -> Page:
+def predict(
+    study: Study, results: Path, surrogate: str | None, words: Sequence[str], points: Path | None
+) -> Page:
     """Values with intervals at points given as words or as a CSV file."""
     found = prediction.predict(study, results, surrogate, words, points)
     parts: list[Any] = [found.note] if found.note else []
@@ -256,22 +334,40 @@ def predict(study: Study, results: Path, surrogate: str | None, words: Sequence[
         for output, answer in row["outputs"].items():
             unit = study.recipe.solver.outputs[output].unit
             value = answer["value"]
-            shown = f"{value:.5g} {unit}".strip() if np.ndim(value) == 0 else \
-                f"field {np.shape(value)} {unit}: mean {np.mean(value):.5g}"
+            shown = (
+                f"{value:.5g} {unit}".strip()
+                if np.ndim(value) == 0
+                else f"field {np.shape(value)} {unit}: mean {np.mean(value):.5g}"
+            )
             low, high = answer["low"], answer["high"]
             interval = f"[{low:.5g}, {high:.5g}]" if np.ndim(low) == 0 else "see --json"
-            rows.append((row["point"], output, answer["surrogate"], shown, interval,
-                         "inside" if row["inside"] else "OUTSIDE"))
-    parts.append(table("", ("point", "output", "surrogate", "value", "95 % interval",
-                            "range of the study"), rows))
+            rows.append(
+                (
+                    row["point"],
+                    output,
+                    answer["surrogate"],
+                    shown,
+                    interval,
+                    "inside" if row["inside"] else "OUTSIDE",
+                )
+            )
+    parts.append(
+        table(
+            "",
+            ("point", "output", "surrogate", "value", "95 % interval", "range of the study"),
+            rows,
+        )
+    )
     return Page(found.rows, parts)
 
 
 def plugins_page() -> Page:
     """Every installed plug-in with the first line of its documentation."""
-    data = {group.rsplit(".", 1)[-1]: {name: plugins.summary(point)
-                                       for name, point in plugins.available(group).items()}
-            for group in plugins.NOUNS}
-    parts = [table(kind, ("name", "what it is"), list(rows.items()))
-             for kind, rows in data.items()]
+    data = {
+        group.rsplit(".", 1)[-1]: {
+            name: plugins.summary(point) for name, point in plugins.available(group).items()
+        }
+        for group in plugins.NOUNS
+    }
+    parts = [table(kind, ("name", "what it is"), list(rows.items())) for kind, rows in data.items()]
     return Page(data, [part for made in parts for part in (made, "")])

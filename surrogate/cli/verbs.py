@@ -35,13 +35,22 @@ class _Verbs(TyperGroup):
             _stop(stop if stop.args else "interrupted", 130)
 
 
-app = typer.Typer(cls=_Verbs, add_completion=False, pretty_exceptions_enable=False,
-                  no_args_is_help=True, context_settings={"help_option_names": ["-h", "--help"]},
-                  help="From an expensive simulation to a cheap model that can be trusted.")
+app = typer.Typer(
+    cls=_Verbs,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="From an expensive simulation to a cheap model that can be trusted.",
+)
 
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="The study file.")]
-Results = Annotated[Path | None, typer.Option(
-    "--results", metavar="DIR", help="Results go to DIR/<study>; default: results/<study>.")]
+Results = Annotated[
+    Path | None,
+    typer.Option(
+        "--results", metavar="DIR", help="Results go to DIR/<study>; default: results/<study>."
+    ),
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for scripts.")]
 
 
@@ -67,20 +76,31 @@ def check(study: StudyFile, results_dir: Results = None, as_json: AsJson = False
 
 
 @app.command()
-def run(study: StudyFile, results_dir: Results = None, as_json: AsJson = False,
-        workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
-        retry_failed: Annotated[bool, typer.Option(
-            "--retry-failed", help="Do failed and timed-out runs again.")] = False,
-        fresh: Annotated[bool, typer.Option(
-            "--fresh", help="Do every run again, taking nothing over.")] = False) -> None:
+def run(
+    study: StudyFile,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Do failed and timed-out runs again.")
+    ] = False,
+    fresh: Annotated[
+        bool, typer.Option("--fresh", help="Do every run again, taking nothing over.")
+    ] = False,
+) -> None:
     """Go the whole way to the report, doing only what is missing. Ctrl-C is safe."""
     loaded = Study.from_yaml(study)
     for sentence in () if fresh else loaded.unused:
         print(sentence, file=sys.stderr)
     with RunsBar(loaded.name) as bar:
-        outcome = results.complete(loaded, results.folder_of(loaded, results_dir),
-                                   workers=workers, retry_failed=retry_failed, fresh=fresh,
-                                   progress=bar)
+        outcome = results.complete(
+            loaded,
+            results.folder_of(loaded, results_dir),
+            workers=workers,
+            retry_failed=retry_failed,
+            fresh=fresh,
+            progress=bar,
+        )
     _finish(loaded, outcome, as_json)
 
 
@@ -100,34 +120,55 @@ def report(study: StudyFile, results_dir: Results = None, as_json: AsJson = Fals
 
 
 @app.command()
-def predict(study: StudyFile,
-            at: Annotated[list[str] | None, typer.Argument(
-                metavar="[NAME=VALUE]...", help="A value for each parameter.")] = None,
-            points: Annotated[Path | None, typer.Option(
-                metavar="CSV", help="Points; the header names the parameters.")] = None,
-            surrogate: Annotated[str | None, typer.Option(
-                metavar="S", help="Which surrogate; default: the best.")] = None,
-            results_dir: Results = None, as_json: AsJson = False) -> None:
+def predict(
+    study: StudyFile,
+    at: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[NAME=VALUE]...", help="A value for each parameter."),
+    ] = None,
+    points: Annotated[
+        Path | None, typer.Option(metavar="CSV", help="Points; the header names the parameters.")
+    ] = None,
+    surrogate: Annotated[
+        str | None, typer.Option(metavar="S", help="Which surrogate; default: the best.")
+    ] = None,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+) -> None:
     """Predict outputs at new points, with intervals. Runs nothing."""
     loaded = Study.from_yaml(study)
-    _show(terminal.predict(loaded, results.folder_of(loaded, results_dir), surrogate,
-                           at or [], points), as_json)
+    _show(
+        terminal.predict(
+            loaded, results.folder_of(loaded, results_dir), surrogate, at or [], points
+        ),
+        as_json,
+    )
 
 
 @app.command()
-def validate(study: StudyFile, results_dir: Results = None, as_json: AsJson = False,
-             cases: Annotated[Path | None, typer.Option(
-                 metavar="FILE", help="CSV, runs dataset or study; default: the study's own.")]
-             = None) -> None:
+def validate(
+    study: StudyFile,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+    cases: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="CSV, runs dataset or study; default: the study's own."),
+    ] = None,
+) -> None:
     """Set surrogates and models beside cases they have not seen. Runs no solver of the study."""
     loaded = Study.from_yaml(study)
     _show(terminal.validate(loaded, results.folder_of(loaded, results_dir), cases), as_json)
 
 
 @app.command()
-def store(study: StudyFile, results_dir: Results = None, as_json: AsJson = False,
-          to: Annotated[Path | None, typer.Option(
-              metavar="FILE", help="Default: runs/<study>.nc beside the study.")] = None) -> None:
+def store(
+    study: StudyFile,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+    to: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Default: runs/<study>.nc beside the study.")
+    ] = None,
+) -> None:
     """Write the finished runs into a small file that ships with the study."""
     loaded = Study.from_yaml(study)
     _show(terminal.store(loaded, results.folder_of(loaded, results_dir), to), as_json)
@@ -171,8 +212,11 @@ def main() -> None:
         log = Path("surrogate-error.log").absolute()
         with suppress(OSError):
             log.write_text(traceback.format_exc(), encoding="utf-8")
-        _stop(f"internal error: {type(error).__name__}: {error}\nFinished runs are kept. "
-              f"Please report it with {log}", 1)
+        _stop(
+            f"internal error: {type(error).__name__}: {error}\nFinished runs are kept. "
+            f"Please report it with {log}",
+            1,
+        )
 
 
 def _stop(why: object, status: int) -> None:

@@ -13,24 +13,36 @@ from surrogate.errors import DesignError
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 
-_RANGES = tuple(Parameter(name, uniform(low, low + 2.0), unit="mm")
-                for name, low in (("length", 1.0), ("width", -3.0), ("height", 0.0)))
+_RANGES = tuple(
+    Parameter(name, uniform(low, low + 2.0), unit="mm")
+    for name, low in (("length", 1.0), ("width", -3.0), ("height", 0.0))
+)
 #: Spaces that a study may have; on all but the first a method may refuse with DesignError.
 SPACES = {
     "three ranges": Space(_RANGES),
     "seven ranges": Space(tuple(Parameter(f"p{i}", uniform(0.0, 1.0)) for i in range(7))),
     "one range": Space(_RANGES[:1]),
-    "ranges and levels": Space((*_RANGES[:2], Parameter("side", levels=("left", "right")),
-                                Parameter("layer", levels=("one", "two", "three")))),
-    "a parameter without ends": Space((*_RANGES, Parameter(
-        "load", distribution("normal", mean=5.0, std=1.0), unit="N"))),
+    "ranges and levels": Space(
+        (
+            *_RANGES[:2],
+            Parameter("side", levels=("left", "right")),
+            Parameter("layer", levels=("one", "two", "three")),
+        )
+    ),
+    "a parameter without ends": Space(
+        (*_RANGES, Parameter("load", distribution("normal", mean=5.0, std=1.0), unit="N"))
+    ),
     "correlated ranges": Space(_RANGES[:2], correlation=((1.0, 0.6), (0.6, 1.0))),
 }
 _START = np.array([[-1, -1, 1], [1, -1, -1], [-1, 1, -1], [1, 1, 1]], dtype=float)
 
 
-def check_design(method: Callable[..., Any], *, options: Mapping[str, Any] | None = None,
-                 space: Space | None = None) -> None:
+def check_design(
+    method: Callable[..., Any],
+    *,
+    options: Mapping[str, Any] | None = None,
+    space: Space | None = None,
+) -> None:
     """Raise `PluginError` with everything about a design method that breaks the contract.
 
     options  for the method; one called `runs` that has no default is filled in
@@ -42,13 +54,15 @@ def check_design(method: Callable[..., Any], *, options: Mapping[str, Any] | Non
     conclude(_name(method), sentences)
     spaces = {**SPACES, "three ranges": space or SPACES["three ranges"]}
     for number, (kind, one) in enumerate(spaces.items()):
-        sentences += _checked(lambda seed, one=one: method(one, seed=seed, **given), kind, one,
-                              must=number == 0)
+        sentences += _checked(
+            lambda seed, one=one: method(one, seed=seed, **given), kind, one, must=number == 0
+        )
     conclude(_name(method), sentences)
 
 
-def check_augmentation(method: Callable[..., Any], *, options: Mapping[str, Any] | None = None
-                       ) -> None:
+def check_augmentation(
+    method: Callable[..., Any], *, options: Mapping[str, Any] | None = None
+) -> None:
     """Raise `PluginError` with everything about an augmentation that breaks the contract.
 
     It is called on the half fraction of three parameters.
@@ -61,9 +75,15 @@ def check_augmentation(method: Callable[..., Any], *, options: Mapping[str, Any]
     if not same(coded, _START):
         sentences.append("changes the design that it is given; return new rows only")
     conclude(_name(method), sentences)
-    conclude(_name(method), _checked(
-        lambda seed: method(space, _START.copy(), seed=seed, **given), "three ranges", space,
-        must=True))
+    conclude(
+        _name(method),
+        _checked(
+            lambda seed: method(space, _START.copy(), seed=seed, **given),
+            "three ranges",
+            space,
+            must=True,
+        ),
+    )
 
 
 def _name(method: Callable[..., Any]) -> str:
@@ -73,14 +93,17 @@ def _name(method: Callable[..., Any]) -> str:
 def _signature(method: Callable[..., Any], positional: int) -> Iterable[str]:
     parameters = list(inspect.signature(method).parameters.values())
     expected = ("space", "coded")[:positional]
-    if len(parameters) < positional or any(p.kind is p.KEYWORD_ONLY
-                                           for p in parameters[:positional]):
+    if len(parameters) < positional or any(
+        p.kind is p.KEYWORD_ONLY for p in parameters[:positional]
+    ):
         yield f"takes no {' and '.join(expected)}; start its parameters with {', '.join(expected)}"
         return
     loose = [p.name for p in parameters[positional:] if p.kind is not p.KEYWORD_ONLY]
     if loose:
-        yield (f"options {', '.join(loose)} are not keyword-only; write * before them, so that a "
-               "study can name them")
+        yield (
+            f"options {', '.join(loose)} are not keyword-only; write * before them, so that a "
+            "study can name them"
+        )
     if not any(p.name == "seed" and p.default is None for p in parameters):
         yield "takes no `seed`; add the keyword seed=None, also when nothing is random"
     for p in parameters[positional:]:
@@ -111,8 +134,10 @@ def _checked(call: Callable[[int], Any], kind: str, space: Space, must: bool) ->
     if not found:
         again, _ = attempt(where, lambda: call(1))
         if again is None or not same(coded, again):
-            found.append(f"{where}: the same seed gave other points; draw from "
-                         "np.random.default_rng(seed) only")
+            found.append(
+                f"{where}: the same seed gave other points; draw from "
+                "np.random.default_rng(seed) only"
+            )
     return found
 
 
@@ -120,8 +145,10 @@ def _coded(coded: Any, where: str, space: Space) -> Iterable[str]:
     if not isinstance(coded, np.ndarray) or coded.dtype.kind != "f":
         yield f"{where} returned {type(coded).__name__}; return a NumPy array of floats"
     elif coded.ndim != 2 or coded.shape[1] != space.size or len(coded) == 0:
-        yield (f"{where} returned shape {coded.shape}; return (run, parameter) with "
-               f"{space.size} columns and at least one run")
+        yield (
+            f"{where} returned shape {coded.shape}; return (run, parameter) with "
+            f"{space.size} columns and at least one run"
+        )
     elif not np.isfinite(coded).all() or np.abs(coded).max() > 1.0 + 1e-12:
         yield f"{where} leaves [-1, 1]; return coded values"
     else:
@@ -130,5 +157,7 @@ def _coded(coded: Any, where: str, space: Space) -> Iterable[str]:
             if p.categorical and np.abs(column[:, None] - p.coded_levels).min(axis=1).max() > 1e-9:
                 yield f"{where}: parameter {p.name} takes values between its levels"
             if not p.bounded and np.abs(column).max() >= 1.0:
-                yield (f"{where}: parameter {p.name} has no ends, but takes -1 or 1; raise "
-                       "DesignError, or stay inside")
+                yield (
+                    f"{where}: parameter {p.name} has no ends, but takes -1 or 1; raise "
+                    "DesignError, or stay inside"
+                )

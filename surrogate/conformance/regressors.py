@@ -68,8 +68,11 @@ def _behaviour(estimator: Any, X, y, Z) -> list[str]:
     found += sentences or list(_prediction(predicted, len(Z), "predict"))
     if found:
         return found
-    return [*_consistency(estimator, fitted, X, y, Z, predicted),
-            *_uncertainty(fitted, Z, predicted), *_closed_forms(fitted, len(X))]
+    return [
+        *_consistency(estimator, fitted, X, y, Z, predicted),
+        *_uncertainty(fitted, Z, predicted),
+        *_closed_forms(fitted, len(X)),
+    ]
 
 
 def _prediction(values: Any, points: int, what: str) -> Iterable[str]:
@@ -84,8 +87,10 @@ def _consistency(estimator: Any, fitted: Any, X, y, Z, predicted) -> Iterable[st
     scale = np.ptp(y)
     parts = np.concatenate([fitted.predict(Z[:7]), fitted.predict(Z[7:8]), fitted.predict(Z[8:])])
     if np.abs(parts - predicted).max() > 1e-8 * scale:
-        yield ("predictions depend on which points are asked together; a study predicts in chunks, "
-               "so scale by training data only")
+        yield (
+            "predictions depend on which points are asked together; a study predicts in chunks, "
+            "so scale by training data only"
+        )
     again = clone(estimator).fit(X, y).predict(Z)
     if not same(again, predicted):
         yield "a second fit to the same data predicts differently; give it a seed (random_state)"
@@ -99,8 +104,9 @@ def _consistency(estimator: Any, fitted: Any, X, y, Z, predicted) -> Iterable[st
 def _uncertainty(fitted: Any, Z, predicted) -> Iterable[str]:
     if "return_std" not in inspect.signature(fitted.predict).parameters:
         return
-    pair, sentences = attempt("predict(return_std=True)",
-                              lambda: fitted.predict(Z, return_std=True))
+    pair, sentences = attempt(
+        "predict(return_std=True)", lambda: fitted.predict(Z, return_std=True)
+    )
     if sentences or not isinstance(pair, tuple) or len(pair) != 2:
         yield from sentences or ["predict(return_std=True) must return (mean, std)"]
         return
@@ -122,8 +128,9 @@ def _closed_forms(fitted: Any, runs: int) -> Iterable[str]:
         yield from sentences or _prediction(values, runs, "leave_one_out")
     if hasattr(fitted, "portable"):
         _, sentences = attempt("portable", lambda: json.dumps(fitted.portable(), allow_nan=False))
-        yield from (f"{s}; return plain dictionaries, lists, texts and finite numbers"
-                    for s in sentences)
+        yield from (
+            f"{s}; return plain dictionaries, lists, texts and finite numbers" for s in sentences
+        )
 
 
 def _indices(indices: Any) -> Iterable[str]:

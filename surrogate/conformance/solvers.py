@@ -17,8 +17,14 @@ from surrogate.space.units import known
 Values = Mapping[str, Any]
 
 
-def check_solver(solver: Any, *, runs: int = 6, seed: int = 0, impossible: Sequence[Values] = (),
-                 picklable: bool = True) -> None:
+def check_solver(
+    solver: Any,
+    *,
+    runs: int = 6,
+    seed: int = 0,
+    impossible: Sequence[Values] = (),
+    picklable: bool = True,
+) -> None:
     """Raise `PluginError` with everything about `solver`, an instance, that breaks the contract.
 
     runs        how often it may be called: the nominal point twice, corners and random points
@@ -29,16 +35,19 @@ def check_solver(solver: Any, *, runs: int = 6, seed: int = 0, impossible: Seque
     name = type(solver).__name__
     conclude(name, _declarations(solver))
     conclude(name, [*documented(solver), *(_answers(solver, runs, seed) if runs else ())])
-    conclude(name, [*(_pickled(solver, runs) if picklable else ()),
-                    *_impossible(solver, impossible)])
+    conclude(
+        name, [*(_pickled(solver, runs) if picklable else ()), *_impossible(solver, impossible)]
+    )
 
 
 def _declarations(solver: Any) -> Iterable[str]:
     for attribute in ("inputs", "outputs"):
         declared = getattr(solver, attribute, None)
         if not isinstance(declared, Mapping) or (attribute == "outputs" and not declared):
-            yield (f"has no `{attribute}`; give a mapping from names to "
-                   f"surrogate.solver.{attribute[:-1].title()}")
+            yield (
+                f"has no `{attribute}`; give a mapping from names to "
+                f"surrogate.solver.{attribute[:-1].title()}"
+            )
             continue
         kind = Input if attribute == "inputs" else Output
         for name, one in declared.items():
@@ -60,8 +69,10 @@ def _input(name: str, given: Input) -> Iterable[str]:
         yield f"input {name}: pint does not know the unit {given.unit!r}; write N/mm, kPa, mm, ..."
     if given.levels:
         if given.nominal is not None and given.nominal not in given.levels:
-            yield (f"input {name}: nominal {given.nominal!r} is not a level; "
-                   f"{nearest(str(given.nominal), given.levels)}")
+            yield (
+                f"input {name}: nominal {given.nominal!r} is not a level; "
+                f"{nearest(str(given.nominal), given.levels)}"
+            )
         return
     low, high = given.range
     if not low < high:
@@ -74,8 +85,10 @@ def _output(name: str, given: Output) -> Iterable[str]:
     if not isinstance(given.unit, str) or not known(given.unit):
         yield f"output {name}: pint does not know the unit {given.unit!r}; write mmHg, kPa, mm, ..."
     if set(given.dims) != set(given.coordinates):
-        yield (f"output {name}: dims {list(given.dims)} and coordinates "
-               f"{list(given.coordinates)} differ; give coordinate values for each dimension")
+        yield (
+            f"output {name}: dims {list(given.dims)} and coordinates "
+            f"{list(given.coordinates)} differ; give coordinate values for each dimension"
+        )
     for dim, values in given.coordinates.items():
         values = np.asarray(values)
         if values.ndim != 1 or len(values) == 0 or len(np.unique(values)) < len(values):
@@ -85,8 +98,11 @@ def _output(name: str, given: Output) -> Iterable[str]:
 def _clashes(solver: Any) -> Iterable[str]:
     """Inputs, outputs and dimensions become variables of one dataset."""
     inputs = getattr(solver, "inputs", None) or {}
-    outputs = {name: one for name, one in (getattr(solver, "outputs", None) or {}).items()
-               if isinstance(one, Output)}
+    outputs = {
+        name: one
+        for name, one in (getattr(solver, "outputs", None) or {}).items()
+        if isinstance(one, Output)
+    }
     for name in set(inputs) & set(outputs):
         yield f"'{name}' is both an input and an output; rename one"
     places: dict[str, np.ndarray] = {}
@@ -95,8 +111,10 @@ def _clashes(solver: Any) -> Iterable[str]:
             if dim in inputs or dim in outputs:
                 yield f"output {output}: dimension '{dim}' is also an input or output; rename it"
             if not np.array_equal(places.setdefault(dim, values), values):
-                yield (f"output {output}: dimension '{dim}' has other coordinates than in another "
-                       "output; give it another name")
+                yield (
+                    f"output {output}: dimension '{dim}' has other coordinates than in another "
+                    "output; give it another name"
+                )
 
 
 def _answers(solver: Any, runs: int, seed: int) -> Iterable[str]:
@@ -109,8 +127,9 @@ def _answers(solver: Any, runs: int, seed: int) -> Iterable[str]:
     if runs > 1 and not sentences:
         yield from _repeated(solver, nominal, answer)
     for point in others:
-        answer, sentences = attempt(f"the point {_written(point)}", lambda p=point: solver(**p),
-                                    SolverError)
+        answer, sentences = attempt(
+            f"the point {_written(point)}", lambda p=point: solver(**p), SolverError
+        )
         yield from sentences if answer is None else _answer(solver, answer, point)
     if declared != _described(solver):
         yield "its inputs or outputs changed during a call; they must be known before it"
@@ -123,15 +142,17 @@ def _repeated(solver: Any, point: Values, answer: Values) -> Iterable[str]:
     again, sentences = attempt("the second call of the nominal point", lambda: solver(**point))
     yield from sentences
     if again is not None and any(not same(answer[name], again[name]) for name in answer):
-        yield ("two calls with the same inputs differ; fix its seed, or say "
-               "`deterministic = False`")
+        yield (
+            "two calls with the same inputs differ; fix its seed, or say `deterministic = False`"
+        )
 
 
 def _described(solver: Any) -> str:
     """Inputs and outputs as text, to see whether a call changes them."""
-    coordinates = {name: {dim: np.asarray(values).tolist()
-                          for dim, values in given.coordinates.items()}
-                   for name, given in solver.outputs.items()}
+    coordinates = {
+        name: {dim: np.asarray(values).tolist() for dim, values in given.coordinates.items()}
+        for name, given in solver.outputs.items()
+    }
     return repr((dict(solver.inputs), dict(solver.outputs), coordinates))
 
 
@@ -142,8 +163,12 @@ def _points(solver: Any, runs: int, seed: int) -> list[dict[str, Any]]:
     points = [nominal]
     for number in range(max(0, runs - 2)):
         share = rng.integers(2, size=len(nominal)) if number % 2 else rng.random(len(nominal))
-        points.append({name: _between(given, nominal[name], float(s))
-                       for (name, given), s in zip(solver.inputs.items(), share, strict=True)})
+        points.append(
+            {
+                name: _between(given, nominal[name], float(s))
+                for (name, given), s in zip(solver.inputs.items(), share, strict=True)
+            }
+        )
     return points
 
 
@@ -162,20 +187,26 @@ def _between(given: Input, otherwise: Any, share: float) -> Any:
 
 
 def _written(point: Values) -> str:
-    return ", ".join(f"{name}={value if isinstance(value, str) else format(value, '.6g')}"
-                     for name, value in point.items())
+    return ", ".join(
+        f"{name}={value if isinstance(value, str) else format(value, '.6g')}"
+        for name, value in point.items()
+    )
 
 
 def _answer(solver: Any, answer: Any, point: Values) -> Iterable[str]:
     where = f"at {_written(point)}"
     if not isinstance(answer, Mapping):
-        yield (f"{where} returned a {type(answer).__name__}; return a mapping from output names "
-               "to values")
+        yield (
+            f"{where} returned a {type(answer).__name__}; return a mapping from output names "
+            "to values"
+        )
         return
     missing, extra = set(solver.outputs) - set(answer), set(answer) - set(solver.outputs)
     if missing or extra:
-        yield (f"{where} returned {sorted(answer)}; it declares {sorted(solver.outputs)}: "
-               "return exactly these")
+        yield (
+            f"{where} returned {sorted(answer)}; it declares {sorted(solver.outputs)}: "
+            "return exactly these"
+        )
     for name in set(solver.outputs) & set(answer):
         yield from _value(name, solver.outputs[name], answer[name], where)
 
@@ -187,11 +218,15 @@ def _value(name: str, declared: Output, value: Any, where: str) -> Iterable[str]
         yield f"output {name} {where} is {value!r}; return a float or an array of them"
         return
     if value.shape != declared.shape:
-        yield (f"output {name} {where} has shape {value.shape}; its dims {list(declared.dims)} "
-               f"say {declared.shape}")
+        yield (
+            f"output {name} {where} has shape {value.shape}; its dims {list(declared.dims)} "
+            f"say {declared.shape}"
+        )
     if np.isinf(value).any() or (np.isnan(value).any() and not declared.gaps):
-        yield (f"output {name} {where} is not finite; raise SolverError with a sentence that says "
-               "why there is no answer, or declare Output(gaps=True)")
+        yield (
+            f"output {name} {where} is not finite; raise SolverError with a sentence that says "
+            "why there is no answer, or declare Output(gaps=True)"
+        )
 
 
 def _pickled(solver: Any, runs: int) -> Iterable[str]:
@@ -203,15 +238,20 @@ def _pickled(solver: Any, runs: int) -> Iterable[str]:
         mine, failed = attempt("the nominal point", lambda: solver(**nominal))
         its, sentences = attempt("a pickled copy", lambda: copied(**nominal))
         yield from sentences
-        if getattr(solver, "deterministic", True) and not failed and not sentences and any(
-                not same(mine[name], its[name]) for name in solver.outputs):
+        if (
+            getattr(solver, "deterministic", True)
+            and not failed
+            and not sentences
+            and any(not same(mine[name], its[name]) for name in solver.outputs)
+        ):
             yield "a pickled copy answers differently; keep all that matters in attributes"
 
 
 def _impossible(solver: Any, points: Sequence[Values]) -> Iterable[str]:
     for point in points:
-        answer, sentences = attempt(f"the point {_written(point)}", lambda p=point: solver(**p),
-                                    SolverError)
+        answer, sentences = attempt(
+            f"the point {_written(point)}", lambda p=point: solver(**p), SolverError
+        )
         yield from sentences
         if answer is not None:
             yield f"the point {_written(point)} has an answer; raise SolverError that says why not"

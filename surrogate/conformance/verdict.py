@@ -26,8 +26,9 @@ def documented(plugin: Any) -> Iterable[str]:
         yield "has no docstring; write one line that says what it is"
 
 
-def attempt(what: str, call: Callable[[], Any], allowed: type[Exception] | tuple = ()
-            ) -> tuple[Any, list[str]]:
+def attempt(
+    what: str, call: Callable[[], Any], allowed: type[Exception] | tuple = ()
+) -> tuple[Any, list[str]]:
     """Result of a call, and a sentence when it raised something that is not `allowed`.
 
     An allowed error without a message is no better than none.
@@ -51,8 +52,10 @@ def global_randomness(sentences: list[str]) -> Iterator[None]:
     before = pickle.dumps(np.random.get_state())  # noqa: NPY002 - this watches for its use
     yield
     if pickle.dumps(np.random.get_state()) != before:  # noqa: NPY002
-        sentences.append("uses NumPy's global random state, which other code changes too; "
-                         "use np.random.default_rng(seed)")
+        sentences.append(
+            "uses NumPy's global random state, which other code changes too; "
+            "use np.random.default_rng(seed)"
+        )
 
 
 def same(a: Any, b: Any) -> bool:

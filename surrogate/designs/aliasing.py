@@ -67,8 +67,12 @@ def aliasing(space: Space, coded) -> Aliasing | None:
         return None
     rows = np.unique(corners, axis=0)
     lengths = columns.word_lengths((rows != rows[0]).sum(axis=1), space.size)
-    return Aliasing(columns.resolution(lengths), lengths[3:],
-                    _words(basis, rows[0], space.names), _table(rows, space.names))
+    return Aliasing(
+        columns.resolution(lengths),
+        lengths[3:],
+        _words(basis, rows[0], space.names),
+        _table(rows, space.names),
+    )
 
 
 def _corners(space: Space, coded: np.ndarray) -> np.ndarray | None:
@@ -90,8 +94,10 @@ def _basis(corners: np.ndarray) -> list[int] | None:
         for vector in basis:
             value = min(value, value ^ vector)
         if value:
-            basis = [min(vector, vector ^ value) if vector >> value.bit_length() - 1 & 1 else vector
-                     for vector in basis] + [value]
+            basis = [
+                min(vector, vector ^ value) if vector >> value.bit_length() - 1 & 1 else vector
+                for vector in basis
+            ] + [value]
     regular = len(distinct) == 2 ** len(basis) and len(set(times)) == 1
     return basis if regular else None
 
@@ -111,8 +117,9 @@ def _words(basis: list[int], run: np.ndarray, names: tuple[str, ...]) -> tuple[s
         for generator in generators:
             words += [word ^ generator for word in words]
     ordered = sorted((len(word), sorted(word)) for word in words if word)
-    return tuple(_signed(np.prod(run[word]), ":".join(names[j] for j in word))
-                 for _, word in ordered)
+    return tuple(
+        _signed(np.prod(run[word]), ":".join(names[j] for j in word)) for _, word in ordered
+    )
 
 
 def _table(rows: np.ndarray, names: tuple[str, ...]) -> tuple[tuple[str, list[str]], ...]:
@@ -121,9 +128,13 @@ def _table(rows: np.ndarray, names: tuple[str, ...]) -> tuple[tuple[str, list[st
     effects = [":".join(names[j] for j in term) for term in terms]
     values = np.column_stack([rows[:, term].prod(axis=1) for term in terms])
     agreement = np.rint(values.T @ values / len(rows)).astype(int)
-    return tuple((effect, [_signed(agreement[i, j], effects[j])
-                           for j in np.flatnonzero(agreement[i]) if j != i])
-                 for i, effect in enumerate(effects))
+    return tuple(
+        (
+            effect,
+            [_signed(agreement[i, j], effects[j]) for j in np.flatnonzero(agreement[i]) if j != i],
+        )
+        for i, effect in enumerate(effects)
+    )
 
 
 def _signed(sign: float, word: str) -> str:

@@ -35,14 +35,52 @@ BLOCKS = {
     5: tuple(itertools.combinations(range(5), 2)),
     6: _cyclic((0, 1, 3), 6),
     7: _cyclic((0, 1, 3), 7),
-    9: _from_one("147", "258", "369", "123", "456", "789", "159", "348", "267", "168", "249",
-                 "357", "147", "258", "369"),
+    9: _from_one(
+        "147",
+        "258",
+        "369",
+        "123",
+        "456",
+        "789",
+        "159",
+        "348",
+        "267",
+        "168",
+        "249",
+        "357",
+        "147",
+        "258",
+        "369",
+    ),
     10: _from_one("267a", "125a", "2378", "2469", "189a", "345a", "1478", "3579", "1369", "4568"),
     11: _cyclic((2, 6, 7, 8, 10), 11),
     12: _cyclic((0, 1, 4, 6), 12),
-    16: _from_one("1269", "348b", "5ade", "7cf0", "237a", "145c", "6bef", "89d0", "256d", "478f",
-                  "19ae", "3bc0", "367e", "1580", "2abf", "49cd", "13df", "24e0", "579b", "68ac",
-                  "46a0", "359f", "17bd", "28ce"),
+    16: _from_one(
+        "1269",
+        "348b",
+        "5ade",
+        "7cf0",
+        "237a",
+        "145c",
+        "6bef",
+        "89d0",
+        "256d",
+        "478f",
+        "19ae",
+        "3bc0",
+        "367e",
+        "1580",
+        "2abf",
+        "49cd",
+        "13df",
+        "24e0",
+        "579b",
+        "68ac",
+        "46a0",
+        "359f",
+        "17bd",
+        "28ce",
+    ),
 }
 
 
@@ -54,9 +92,11 @@ def box_behnken(space: Space, *, center_points: int = 1, seed=None) -> np.ndarra
     """
     continuous(space, "box_behnken")
     if space.size not in BLOCKS:
-        raise DesignError(f"box_behnken: no design is published for {space.size} parameters "
-                          f"(there are for {', '.join(map(str, BLOCKS))}); use central_composite "
-                          "or d_optimal with model: quadratic")
+        raise DesignError(
+            f"box_behnken: no design is published for {space.size} parameters "
+            f"(there are for {', '.join(map(str, BLOCKS))}); use central_composite "
+            "or d_optimal with model: quadratic"
+        )
     rows = [_block_runs(block, space.size) for block in BLOCKS[space.size]]
     return np.vstack([*rows, centers(space, center_points)])
 
@@ -64,7 +104,7 @@ def box_behnken(space: Space, *, center_points: int = 1, seed=None) -> np.ndarra
 def _block_runs(block: tuple[int, ...], parameters: int) -> np.ndarray:
     """Two-level factorial in the block; blocks of 5 take the half fraction E = ABCD."""
     base = min(len(block), 4)
-    masks = [*(1 << i for i in range(base)), 0b1111][:len(block)]
+    masks = [*(1 << i for i in range(base)), 0b1111][: len(block)]
     corners = columns.matrix(masks, base)
     runs = np.zeros((len(corners), parameters))
     runs[:, block] = corners

@@ -22,8 +22,14 @@ ALPHAS = ("rotatable", "spherical", "face")
 CUBES = ("full", "fraction")
 
 
-def central_composite(space: Space, *, alpha: str | float = "rotatable", cube: str = "full",
-                      center_points: int = 1, seed=None) -> np.ndarray:
+def central_composite(
+    space: Space,
+    *,
+    alpha: str | float = "rotatable",
+    cube: str = "full",
+    center_points: int = 1,
+    seed=None,
+) -> np.ndarray:
     """Coded (run, parameter): the cube, then the star, then centre points.
 
     alpha  rotatable: fourth root of the number of corners, so that the prediction variance
@@ -50,5 +56,6 @@ def _corners(space: Space, cube: str) -> np.ndarray:
 def _ratio(alpha: str | float, runs: int, parameters: int) -> float:
     if not isinstance(alpha, str):
         return number("alpha", alpha, 1.0, 100.0)
-    return {"rotatable": runs**0.25, "spherical": math.sqrt(parameters),
-            "face": 1.0}[choice("alpha", alpha, ALPHAS)]
+    return {"rotatable": runs**0.25, "spherical": math.sqrt(parameters), "face": 1.0}[
+        choice("alpha", alpha, ALPHAS)
+    ]

@@ -48,8 +48,9 @@ def word_lengths(run_weights: np.ndarray, factors: int) -> tuple[int, ...]:
     """
     counts = np.bincount(run_weights, minlength=factors + 1).tolist()
     total = sum(counts)
-    return tuple(sum(k * n for k, n in zip(row, counts, strict=True)) // total
-                 for row in krawtchouk(factors))
+    return tuple(
+        sum(k * n for k, n in zip(row, counts, strict=True)) // total for row in krawtchouk(factors)
+    )
 
 
 def resolution(lengths: Sequence[int]) -> int | None:

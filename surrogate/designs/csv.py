@@ -24,8 +24,9 @@ from surrogate.space.space import Parameter, Space
 SHOWN = 20
 
 
-def csv(space: Space, *, path: str, delimiter: str = ",", folder: Path | None = None,
-        seed=None) -> np.ndarray:
+def csv(
+    space: Space, *, path: str, delimiter: str = ",", folder: Path | None = None, seed=None
+) -> np.ndarray:
     """Coded points (run, parameter) of the file's rows.
 
     path       the file, relative to `folder` (the study's; default the current one)
@@ -36,19 +37,26 @@ def csv(space: Space, *, path: str, delimiter: str = ",", folder: Path | None = 
     file = Path(folder or ".") / path
     lines = _read(file, delimiter)
     if len(lines) < 2:
-        raise DesignError(f"{file}: has no points; write a line of parameter names and a line "
-                          "for each point")
+        raise DesignError(
+            f"{file}: has no points; write a line of parameter names and a line for each point"
+        )
     header = [name.strip() for name in lines[0][1]]
     _check_header(file, header, space, delimiter)
     mistakes, rows = [], []
     for number, cells in lines[1:]:
         if len(cells) != len(header):
-            mistakes.append(f"{file}:{number}: {len(cells)} values where the first line names "
-                            f"{len(header)} columns")
+            mistakes.append(
+                f"{file}:{number}: {len(cells)} values where the first line names "
+                f"{len(header)} columns"
+            )
             continue
         named = dict(zip(header, cells, strict=True))
-        rows.append([_coded(p, named[p.name].strip(), f"{file}:{number}", mistakes)
-                     for p in space.parameters])
+        rows.append(
+            [
+                _coded(p, named[p.name].strip(), f"{file}:{number}", mistakes)
+                for p in space.parameters
+            ]
+        )
     if mistakes:
         more = [f"and {len(mistakes) - SHOWN} more"] if len(mistakes) > SHOWN else []
         raise DesignError("\n".join(mistakes[:SHOWN] + more))
@@ -62,22 +70,31 @@ def _read(file: Path, delimiter: str) -> list[tuple[int, list[str]]]:
     try:
         text = file.read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise DesignError(f"path: {file} cannot be read ({error.strerror}); give the path "
-                          "relative to the study file") from error
+        raise DesignError(
+            f"path: {file} cannot be read ({error.strerror}); give the path "
+            "relative to the study file"
+        ) from error
     except UnicodeDecodeError as error:
-        raise DesignError(f"path: {file} is not a text file in UTF-8; save it as CSV UTF-8"
-                          ) from error
+        raise DesignError(
+            f"path: {file} is not a text file in UTF-8; save it as CSV UTF-8"
+        ) from error
     # Quoted cells cannot span lines here, so that a line number is always a file's line.
-    return [(number, next(reader.reader([line], delimiter=delimiter)))
-            for number, line in enumerate(text.splitlines(), 1)
-            if line.strip() and not line.lstrip().startswith("#")]
+    return [
+        (number, next(reader.reader([line], delimiter=delimiter)))
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
 
 
 def _check_header(file: Path, header: list[str], space: Space, delimiter: str) -> None:
-    mistakes = [f"{file}:1: no column for parameter '{name}'; {nearest(name, header)}"
-                for name in space.names if name not in header]
-    mistakes += [f"{file}:1: column '{name}' stands twice" for name in space.names
-                 if header.count(name) > 1]
+    mistakes = [
+        f"{file}:1: no column for parameter '{name}'; {nearest(name, header)}"
+        for name in space.names
+        if name not in header
+    ]
+    mistakes += [
+        f"{file}:1: column '{name}' stands twice" for name in space.names if header.count(name) > 1
+    ]
     if mistakes and len(header) == 1:
         mistakes.append(f"{file}:1: there is one column only; is '{delimiter}' the delimiter?")
     if mistakes:
@@ -101,7 +118,10 @@ def _coded(parameter: Parameter, cell: str, where: str, mistakes: list[str]) -> 
     # The last digit of a printed end of the range is forgiven.
     slack = 1e-9 * (high - low) if parameter.bounded else 0.0
     if not low - slack <= value <= high + slack:
-        mistakes.append(f"{where}: {parameter.name}: {cell} lies outside [{low:g}, {high:g}] "
-                        f"{parameter.unit}".rstrip() + "; change the point or the range")
+        mistakes.append(
+            f"{where}: {parameter.name}: {cell} lies outside [{low:g}, {high:g}] "
+            f"{parameter.unit}".rstrip()
+            + "; change the point or the range"
+        )
         return math.nan
     return float(np.clip(parameter.encode(value), -1.0, 1.0))

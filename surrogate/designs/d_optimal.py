@@ -26,8 +26,9 @@ TIE = 1e-5
 PASSES = 60
 
 
-def d_optimal(space: Space, *, runs: int, model: str = "linear", starts: int = 20,
-              seed=None) -> np.ndarray:
+def d_optimal(
+    space: Space, *, runs: int, model: str = "linear", starts: int = 20, seed=None
+) -> np.ndarray:
     """`runs` points, coded (run, parameter), for `model`: linear, interactions or quadratic.
 
     Continuous parameters take -1 and 1, and in a quadratic model also -0.5, 0, 0.5; levels
@@ -39,8 +40,10 @@ def d_optimal(space: Space, *, runs: int, model: str = "linear", starts: int = 2
     terms = Model(space, choice("model", model, MODELS))
     affordable(runs * terms.size, "d_optimal", "lower runs, or use fractional_factorial")
     if runs < terms.size:
-        raise DesignError(f"runs: {runs} cannot estimate the {terms.size} terms of a {model} model "
-                          f"in {space.size} parameters; give at least {terms.size}")
+        raise DesignError(
+            f"runs: {runs} cannot estimate the {terms.size} terms of a {model} model "
+            f"in {space.size} parameters; give at least {terms.size}"
+        )
     rng = np.random.default_rng(seed)
     found = [_search(terms, runs, rng) for _ in range(starts)]
     logs = np.array([log_determinant(terms.matrix(design)) for design in found])
@@ -66,11 +69,14 @@ class Model:
         mains = [_main_effects(p, coded[:, j]) for j, p in enumerate(self.parameters)]
         blocks = [np.ones((len(coded), 1)), *mains]
         if self.name != "linear":
-            blocks += [(a[:, :, None] * b[:, None, :]).reshape(len(coded), -1)
-                       for a, b in itertools.combinations(mains, 2)]
+            blocks += [
+                (a[:, :, None] * b[:, None, :]).reshape(len(coded), -1)
+                for a, b in itertools.combinations(mains, 2)
+            ]
         if self.name == "quadratic":
-            blocks += [main**2 for p, main in zip(self.parameters, mains, strict=True)
-                       if not p.categorical]
+            blocks += [
+                main**2 for p, main in zip(self.parameters, mains, strict=True) if not p.categorical
+            ]
         return np.hstack(blocks)
 
 
@@ -111,8 +117,9 @@ def _improve(model: Model, design: np.ndarray, matrix: np.ndarray, run: int) -> 
         # Not updated from step to step: rounding would build up.
         inverse = np.linalg.inv(matrix.T @ matrix + RIDGE * np.eye(model.size))
         across = new @ inverse
-        gains = ((1.0 + (across * new).sum(axis=1)) * (1.0 - matrix[run] @ inverse @ matrix[run])
-                 + (across @ matrix[run]) ** 2)
+        gains = (1.0 + (across * new).sum(axis=1)) * (1.0 - matrix[run] @ inverse @ matrix[run]) + (
+            across @ matrix[run]
+        ) ** 2
         best = int(np.argmax(gains >= gains.max() * (1.0 - TIE)))
         if gains[best] <= 1.0 + 1e-6:
             return changes > 0

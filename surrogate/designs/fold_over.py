@@ -23,8 +23,10 @@ def fold_over(space: Space, coded, *, parameter: str | None = None, seed=None) -
     seen = {row.tobytes() for row in _rounded(coded)}
     new = np.array([row.tobytes() not in seen for row in _rounded(folded)], dtype=bool)
     if not new.any():
-        raise DesignError("fold_over adds nothing: the design holds every mirrored run already; "
-                          "remove fold_over, or fold another parameter")
+        raise DesignError(
+            "fold_over adds nothing: the design holds every mirrored run already; "
+            "remove fold_over, or fold another parameter"
+        )
     return folded[new]
 
 
@@ -35,8 +37,10 @@ def _reversed_columns(space: Space, parameter: str | None) -> np.ndarray:
     chosen = np.array([parameter in (None, name) for name in space.names])
     for p, reverse in zip(space.parameters, chosen, strict=True):
         if reverse and len(p.levels) > 2:
-            raise DesignError(f"{p.name}: fold_over reverses signs, which means nothing for "
-                              f"{len(p.levels)} levels; fold one of the other parameters")
+            raise DesignError(
+                f"{p.name}: fold_over reverses signs, which means nothing for "
+                f"{len(p.levels)} levels; fold one of the other parameters"
+            )
     return chosen
 
 

@@ -20,9 +20,15 @@ ROMAN = {"III": 3, "IV": 4, "V": 5, "VI": 6, "VII": 7, "VIII": 8}
 LARGEST_BASE = 14
 
 
-def fractional_factorial(space: Space, *, resolution: int | str | None = None,
-                         runs: int | None = None, generators: list[str] | None = None,
-                         center_points: int = 0, seed=None) -> np.ndarray:
+def fractional_factorial(
+    space: Space,
+    *,
+    resolution: int | str | None = None,
+    runs: int | None = None,
+    generators: list[str] | None = None,
+    center_points: int = 0,
+    seed=None,
+) -> np.ndarray:
     """Regular two-level fraction; coded (run, parameter) with centre points at its end.
 
     Give one of
@@ -34,12 +40,14 @@ def fractional_factorial(space: Space, *, resolution: int | str | None = None,
     two_level(space, "fractional_factorial")
     given = [option for option in (resolution, runs, generators) if option is not None]
     if len(given) != 1:
-        raise DesignError("fractional_factorial: give one of resolution, runs and generators "
-                          f"({len(given)} given); resolution: 4 is a good start")
+        raise DesignError(
+            "fractional_factorial: give one of resolution, runs and generators "
+            f"({len(given)} given); resolution: 4 is a good start"
+        )
     if generators is not None:
         coded = _by_generators(space, generators)
     else:
-        masks = (_by_resolution(space, resolution) if runs is None else _by_runs(space, runs))
+        masks = _by_resolution(space, resolution) if runs is None else _by_runs(space, runs)
         coded = columns.matrix(masks, max(masks).bit_length())
     return np.vstack([coded, centers(space, center_points)])
 
@@ -50,9 +58,11 @@ def _by_resolution(space: Space, resolution) -> tuple[int, ...]:
         return fraction(space.size, space.size)
     masks = fewest_runs(space.size, min(wanted, space.size + 1), LARGEST_BASE)
     if masks is None:
-        raise DesignError(f"resolution: {wanted} for {space.size} parameters needs more than "
-                          f"{2**LARGEST_BASE:,} runs; lower the resolution, or use d_optimal "
-                          "or latin_hypercube")
+        raise DesignError(
+            f"resolution: {wanted} for {space.size} parameters needs more than "
+            f"{2**LARGEST_BASE:,} runs; lower the resolution, or use d_optimal "
+            "or latin_hypercube"
+        )
     return masks
 
 
@@ -62,8 +72,10 @@ def _by_runs(space: Space, runs) -> tuple[int, ...]:
     most = min(space.size, LARGEST_BASE)
     if runs != 2**base or not min(least, most) <= base <= most:
         sizes = ", ".join(str(2**b) for b in range(min(least, most), most + 1))
-        raise DesignError(f"runs: {runs} is not the size of a two-level fraction of "
-                          f"{space.size} parameters; use one of {sizes}")
+        raise DesignError(
+            f"runs: {runs} is not the size of a two-level fraction of "
+            f"{space.size} parameters; use one of {sizes}"
+        )
     return fraction(space.size, base)
 
 

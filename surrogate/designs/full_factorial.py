@@ -14,8 +14,9 @@ from surrogate.errors import DesignError, nearest
 from surrogate.space.space import Parameter, Space
 
 
-def full_factorial(space: Space, *, levels: int | dict[str, int] = 2, center_points: int = 0,
-                   seed=None) -> np.ndarray:
+def full_factorial(
+    space: Space, *, levels: int | dict[str, int] = 2, center_points: int = 0, seed=None
+) -> np.ndarray:
     """Every combination of evenly spaced levels, the first parameter changing fastest.
 
     levels: number of levels of each parameter, or of the named ones (the others get 2);
@@ -23,8 +24,11 @@ def full_factorial(space: Space, *, levels: int | dict[str, int] = 2, center_poi
     """
     bounded(space, "full_factorial")
     counts = _counts(space, levels)
-    affordable(math.prod(counts), "full_factorial",
-               "use fractional_factorial, d_optimal or latin_hypercube")
+    affordable(
+        math.prod(counts),
+        "full_factorial",
+        "use fractional_factorial, d_optimal or latin_hypercube",
+    )
     index = pyDOE3.fullfact(counts).astype(int)
     grids = [np.linspace(-1.0, 1.0, count) for count in counts]
     coded = np.column_stack([grid[index[:, j]] for j, grid in enumerate(grids)])
@@ -32,12 +36,16 @@ def full_factorial(space: Space, *, levels: int | dict[str, int] = 2, center_poi
 
 
 def _counts(space: Space, levels) -> list[int]:
-    named = dict(levels) if isinstance(levels, Mapping) else dict.fromkeys(
-        (p.name for p in space.parameters if not p.categorical), levels)
+    named = (
+        dict(levels)
+        if isinstance(levels, Mapping)
+        else dict.fromkeys((p.name for p in space.parameters if not p.categorical), levels)
+    )
     unknown = [name for name in named if name not in space.names]
     if unknown:
-        raise DesignError(f"levels: parameter '{unknown[0]}' is unknown; "
-                          f"{nearest(unknown[0], space.names)}")
+        raise DesignError(
+            f"levels: parameter '{unknown[0]}' is unknown; {nearest(unknown[0], space.names)}"
+        )
     return [_count(p, named.get(p.name)) for p in space.parameters]
 
 
@@ -45,6 +53,8 @@ def _count(parameter: Parameter, wanted) -> int:
     if not parameter.categorical:
         return whole(f"levels of {parameter.name}", 2 if wanted is None else wanted, 2)
     if wanted not in (None, len(parameter.levels)):
-        raise DesignError(f"levels of {parameter.name}: {wanted!r} must be "
-                          f"{len(parameter.levels)}, the number of its named levels; leave it out")
+        raise DesignError(
+            f"levels of {parameter.name}: {wanted!r} must be "
+            f"{len(parameter.levels)}, the number of its named levels; leave it out"
+        )
     return len(parameter.levels)

@@ -25,7 +25,7 @@ def read(generators: Sequence[str], names: Sequence[str]) -> list[Generator]:
     if isinstance(generators, str) or not generators:
         raise DesignError(f"generators: {generators!r} must be a list such as ['D = AB', 'E = AC']")
     made, mistakes = [], []
-    last = list(names)[-len(generators):]
+    last = list(names)[-len(generators) :]
     for text, default in zip(generators, last, strict=False):
         try:
             made.append(_read_one(str(text), default, names))
@@ -61,8 +61,10 @@ def _parameters(text: str, generator: str, names: Sequence[str]) -> list[str]:
     wrong = [part for part in parts if part not in names] if text else ["nothing"]
     if wrong:
         legend = ", ".join(f"{a} = {b}" for a, b in zip(LETTERS, names, strict=False))
-        raise DesignError(f"generators: '{wrong[0]}' in '{generator}' is not a parameter; "
-                          f"write letters ({legend}) or names joined by *")
+        raise DesignError(
+            f"generators: '{wrong[0]}' in '{generator}' is not a parameter; "
+            f"write letters ({legend}) or names joined by *"
+        )
     return parts
 
 
@@ -70,23 +72,32 @@ def _contradictions(made: list[Generator], texts, names: Sequence[str]) -> list[
     targets = [target for target, _, _ in made]
     base = [name for name in names if name not in targets]
     if len(texts) >= len(names):
-        return [f"generators: {len(texts)} generators leave no base factor among "
-                f"{len(names)} parameters; give at most {len(names) - 1}"]
-    mistakes = [f"generators: {target} is made twice" for target in sorted(set(targets))
-                if targets.count(target) > 1]
+        return [
+            f"generators: {len(texts)} generators leave no base factor among "
+            f"{len(names)} parameters; give at most {len(names) - 1}"
+        ]
+    mistakes = [
+        f"generators: {target} is made twice"
+        for target in sorted(set(targets))
+        if targets.count(target) > 1
+    ]
     seen: dict[frozenset[str], str] = {frozenset([name]): name for name in base}
     for (target, product, _), text in zip(made, texts, strict=True):
         if not set(product) <= set(base):
             other = ", ".join(sorted(set(product) - set(base)))
-            mistakes.append(f"generators: '{text}' uses {other}, which a generator makes; "
-                            f"use the base factors {', '.join(base)}")
+            mistakes.append(
+                f"generators: '{text}' uses {other}, which a generator makes; "
+                f"use the base factors {', '.join(base)}"
+            )
             continue
         twin = seen.setdefault(_odd(product), target)
         if not _odd(product):
             mistakes.append(f"generators: '{text}' makes {target} constant")
         elif twin != target:
-            mistakes.append(f"generators: '{text}' makes {target} change together with {twin}; "
-                            "choose another product")
+            mistakes.append(
+                f"generators: '{text}' makes {target} change together with {twin}; "
+                "choose another product"
+            )
     return mistakes
 
 

@@ -17,8 +17,9 @@ from surrogate.space.space import Space
 CRITERIA = ("maximin", "random")
 
 
-def latin_hypercube(space: Space, *, runs: int, criterion: str = "maximin",
-                    seed=None) -> np.ndarray:
+def latin_hypercube(
+    space: Space, *, runs: int, criterion: str = "maximin", seed=None
+) -> np.ndarray:
     """`runs` points, coded (run, parameter), by the law of each parameter.
 
     criterion  maximin: in the middle of the slices, as far apart as possible;

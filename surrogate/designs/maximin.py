@@ -45,8 +45,9 @@ def maximin(ranks: np.ndarray, rng: np.random.Generator) -> np.ndarray:
                 if phi < best_phi:
                     best, best_phi, improved = x.copy(), phi, improved + 1
         phi = _phi(x)
-        threshold *= _heating(accepted / ROUNDS_PER_STAGE, improved / ROUNDS_PER_STAGE,
-                              best_phi < start)
+        threshold *= _heating(
+            accepted / ROUNDS_PER_STAGE, improved / ROUNDS_PER_STAGE, best_phi < start
+        )
     return best.astype(int)
 
 
@@ -59,8 +60,9 @@ def _heating(accepted: float, improved: float, better: bool) -> float:
 
 def _phi(x: np.ndarray) -> float:
     """Sum over pairs of the inverse power of their squared distance; x (run, parameter)."""
-    return sum(_inverse_power(((x[i + 1:] - x[i]) ** 2).sum(axis=1)).sum()
-               for i in range(len(x) - 1))
+    return sum(
+        _inverse_power(((x[i + 1 :] - x[i]) ** 2).sum(axis=1)).sum() for i in range(len(x) - 1)
+    )
 
 
 def _inverse_power(squared: np.ndarray) -> np.ndarray:

@@ -19,16 +19,30 @@ from surrogate.designs import columns
 
 #: (factors, generators) -> products of base factors A, B, ... that make the other factors.
 TABLE = {
-    (3, 1): "AB", (4, 1): "ABC",
-    (5, 1): "ABCD", (5, 2): "AB AC",
-    (6, 1): "ABCDE", (6, 2): "ABC BCD", (6, 3): "AB AC BC",
-    (7, 1): "ABCDEF", (7, 2): "ABCD ABDE", (7, 3): "ABC BCD ACD", (7, 4): "AB AC BC ABC",
-    (8, 2): "ABCD ABEF", (8, 3): "ABC ABD BCDE", (8, 4): "BCD ACD ABC ABD",
-    (9, 2): "ACDFG BCEFG", (9, 3): "ABCD ACEF CDEF", (9, 4): "BCDE ACDE ABDE ABCE",
+    (3, 1): "AB",
+    (4, 1): "ABC",
+    (5, 1): "ABCD",
+    (5, 2): "AB AC",
+    (6, 1): "ABCDE",
+    (6, 2): "ABC BCD",
+    (6, 3): "AB AC BC",
+    (7, 1): "ABCDEF",
+    (7, 2): "ABCD ABDE",
+    (7, 3): "ABC BCD ACD",
+    (7, 4): "AB AC BC ABC",
+    (8, 2): "ABCD ABEF",
+    (8, 3): "ABC ABD BCDE",
+    (8, 4): "BCD ACD ABC ABD",
+    (9, 2): "ACDFG BCEFG",
+    (9, 3): "ABCD ACEF CDEF",
+    (9, 4): "BCDE ACDE ABDE ABCE",
     (9, 5): "ABC BCD ACD ABD ABCD",
-    (10, 3): "ABCG BCDE ACDF", (10, 4): "BCDF ACDF ABDE ABCE",
-    (10, 5): "ABCD ABCE ABDE ACDE BCDE", (10, 6): "ABC BCD ACD ABD ABCD AB",
-    (11, 5): "CDE ABCD ABF BDEF ADEF", (11, 6): "ABC BCD CDE ACD ADE BDE",
+    (10, 3): "ABCG BCDE ACDF",
+    (10, 4): "BCDF ACDF ABDE ABCE",
+    (10, 5): "ABCD ABCE ABDE ACDE BCDE",
+    (10, 6): "ABC BCD ACD ABD ABCD AB",
+    (11, 5): "CDE ABCD ABF BDEF ADEF",
+    (11, 6): "ABC BCD CDE ACD ADE BDE",
 }
 LETTERS = "ABCDEFGHJKLMNOPQRSTUVWXYZ"
 STARTS = 24
@@ -75,8 +89,10 @@ def search(factors: int, base: int) -> tuple[int, ...]:
         if _least_base(factors, resolution) <= base:
             starts = _starts(factors, base, resolution)
             if starts:
-                return min((_exchange(masks, base) for masks in starts),
-                           key=lambda masks: _pattern(masks, base))
+                return min(
+                    (_exchange(masks, base) for masks in starts),
+                    key=lambda masks: _pattern(masks, base),
+                )
     raise ValueError(f"{factors} factors do not fit in {2**base} runs")
 
 

@@ -18,8 +18,9 @@ from surrogate.errors import DesignError
 from surrogate.space.space import Space
 
 
-def plackett_burman(space: Space, *, runs: int | None = None, center_points: int = 0,
-                    seed=None) -> np.ndarray:
+def plackett_burman(
+    space: Space, *, runs: int | None = None, center_points: int = 0, seed=None
+) -> np.ndarray:
     """Coded (run, parameter) of -1 and 1, its last run all -1, then centre points.
 
     runs: a multiple of 4 above the number of parameters; default the smallest for which a
@@ -32,9 +33,11 @@ def plackett_burman(space: Space, *, runs: int | None = None, center_points: int
         runs = next(n for n in range(least, 4 * least, 4) if constructible(n))
     elif whole("runs", runs, least) % 4 or not constructible(runs):
         sizes = [str(n) for n in range(least, 4 * least, 4) if constructible(n)]
-        raise DesignError(f"runs: no Plackett-Burman design with {runs} runs here; "
-                          f"use one of {', '.join(sizes[:8])}")
-    columns = saturated(runs)[:, :space.size]
+        raise DesignError(
+            f"runs: no Plackett-Burman design with {runs} runs here; "
+            f"use one of {', '.join(sizes[:8])}"
+        )
+    columns = saturated(runs)[:, : space.size]
     return np.vstack([columns, centers(space, center_points)])
 
 
@@ -49,8 +52,12 @@ def saturated(runs: int) -> np.ndarray:
 
 def constructible(order: int) -> bool:
     """True when `hadamard(order)` exists."""
-    return (order in (1, 2) or _paley_first(order) or _paley_second(order)
-            or (order % 8 == 0 and constructible(order // 2)))
+    return (
+        order in (1, 2)
+        or _paley_first(order)
+        or _paley_second(order)
+        or (order % 8 == 0 and constructible(order // 2))
+    )
 
 
 @cache
@@ -99,5 +106,6 @@ def _second_kind(q: int) -> np.ndarray:
     conference = np.ones((q + 1, q + 1))
     conference[0, 0] = 0.0
     conference[1:, 1:] = _character(q)[(index[:, None] - index) % q]
-    return (np.kron(conference, [[1.0, 1.0], [1.0, -1.0]])
-            + np.kron(np.eye(q + 1), [[1.0, -1.0], [-1.0, -1.0]]))
+    return np.kron(conference, [[1.0, 1.0], [1.0, -1.0]]) + np.kron(
+        np.eye(q + 1), [[1.0, -1.0], [-1.0, -1.0]]
+    )

@@ -16,27 +16,42 @@ LARGEST = 1_000_000
 
 def bounded(space: Space, method: str) -> None:
     """Raise when a parameter has no finite value at coded -1 and 1."""
-    _refuse([f"{p.name}: {method} sets it to both ends of its range, but {p.distribution} has no "
-             "ends; give it a range, or use latin_hypercube, sobol or halton"
-             for p in space.parameters if not p.bounded])
+    _refuse(
+        [
+            f"{p.name}: {method} sets it to both ends of its range, but {p.distribution} has no "
+            "ends; give it a range, or use latin_hypercube, sobol or halton"
+            for p in space.parameters
+            if not p.bounded
+        ]
+    )
 
 
 def two_level(space: Space, method: str) -> None:
     """Raise when a parameter is unbounded or has more than two named levels."""
     bounded(space, method)
-    _refuse([f"{p.name}: {method} has two levels a parameter, but this one has {len(p.levels)} "
-             f"({', '.join(p.levels)}); keep two of them, or use full_factorial, d_optimal, "
-             "latin_hypercube or sobol"
-             for p in space.parameters if len(p.levels) > 2])
+    _refuse(
+        [
+            f"{p.name}: {method} has two levels a parameter, but this one has {len(p.levels)} "
+            f"({', '.join(p.levels)}); keep two of them, or use full_factorial, d_optimal, "
+            "latin_hypercube or sobol"
+            for p in space.parameters
+            if len(p.levels) > 2
+        ]
+    )
 
 
 def continuous(space: Space, method: str) -> None:
     """Raise when a parameter is unbounded or categorical."""
     bounded(space, method)
-    _refuse([f"{p.name}: {method} needs values between the ends of a range, but this parameter has "
-             f"levels ({', '.join(p.levels)}); use full_factorial, d_optimal, latin_hypercube "
-             "or sobol"
-             for p in space.parameters if p.categorical])
+    _refuse(
+        [
+            f"{p.name}: {method} needs values between the ends of a range, but this parameter has "
+            f"levels ({', '.join(p.levels)}); use full_factorial, d_optimal, latin_hypercube "
+            "or sobol"
+            for p in space.parameters
+            if p.categorical
+        ]
+    )
 
 
 def whole(option: str, value, least: int) -> int:

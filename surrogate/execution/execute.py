@@ -47,13 +47,23 @@ class Progress:
     last: Record | None = None
 
 
-def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
-            constants: Mapping[str, Any] | None = None, outputs: Iterable[str] | None = None,
-            workers: int | None = None, threads: int | None = None,
-            timeout: float | None = None, retries: int = 0, rerun: Iterable[str] = (),
-            others: Iterable[str | Path] = (), given: Given | None = None,
-            executor: Executor | None = None,
-            progress: Callable[[Progress], None] | None = None) -> Progress:
+def execute(
+    recipe: Recipe,
+    columns: Mapping[str, Any],
+    *,
+    journal: str | Path,
+    constants: Mapping[str, Any] | None = None,
+    outputs: Iterable[str] | None = None,
+    workers: int | None = None,
+    threads: int | None = None,
+    timeout: float | None = None,
+    retries: int = 0,
+    rerun: Iterable[str] = (),
+    others: Iterable[str | Path] = (),
+    given: Given | None = None,
+    executor: Executor | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Progress:
     """Run the solver at each row of `columns` that the journal does not have; return the tally.
 
     columns    physical values, name -> (run,); equal rows run once (deterministic solvers)
@@ -93,13 +103,18 @@ def execute(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
         tally.start([known[key] for key in runs.keys() - set(missing)])
         if queue:
             with _stop_on_signals() as stopping:
-                place = (Pool(recipe, wanted, workers, threads, timeout) if executor is None else
-                         Elsewhere(executor, recipe, wanted, workers, timeout))
+                place = (
+                    Pool(recipe, wanted, workers, threads, timeout)
+                    if executor is None
+                    else Elsewhere(executor, recipe, wanted, workers, timeout)
+                )
                 with closing(place.results(queue, stopping)) as source:
                     _record(source, queue, book, tally, recipe, timeout, retries)
                 if stopping():
-                    raise KeyboardInterrupt(f"stopped: {tally.now.done} of {tally.now.total} runs "
-                                            "are done and kept; run again to go on")
+                    raise KeyboardInterrupt(
+                        f"stopped: {tally.now.done} of {tally.now.total} runs "
+                        "are done and kept; run again to go on"
+                    )
     return tally.now
 
 
@@ -111,21 +126,27 @@ def cores() -> int:
 
 
 def _check(workers, threads, timeout, retries, rerun) -> None:
-    mistakes = [f"{name}: {value} must be 1 or more"
-                for name, value in (("workers", workers), ("threads", threads))
-                if value is not None and value < 1]
+    mistakes = [
+        f"{name}: {value} must be 1 or more"
+        for name, value in (("workers", workers), ("threads", threads))
+        if value is not None and value < 1
+    ]
     if timeout is not None and not timeout > 0:
         mistakes.append(f"timeout: {timeout:g} s must be above 0")
     if retries < 0:
         mistakes.append(f"retries: {retries} must be 0 or more")
-    mistakes += [f"rerun: '{status}' is unknown; use failed or timed_out"
-                 for status in rerun if status not in ("failed", "timed_out")]
+    mistakes += [
+        f"rerun: '{status}' is unknown; use failed or timed_out"
+        for status in rerun
+        if status not in ("failed", "timed_out")
+    ]
     if mistakes:
         raise StudyError(*mistakes)
 
 
-def _settled(record: Record | None, wanted: Iterable[str], timeout: float | None,
-             rerun: Iterable[str]) -> bool:
+def _settled(
+    record: Record | None, wanted: Iterable[str], timeout: float | None, rerun: Iterable[str]
+) -> bool:
     """True when a run need not be done (again)."""
     if record is None or not record.answers(wanted):
         return False
@@ -137,26 +158,40 @@ def _settled(record: Record | None, wanted: Iterable[str], timeout: float | None
     return record.status not in rerun
 
 
-def _adopt(book: Journal, missing: list[str], wanted: Iterable[str],
-           others: Iterable[str | Path]) -> list[str]:
+def _adopt(
+    book: Journal, missing: list[str], wanted: Iterable[str], others: Iterable[str | Path]
+) -> list[str]:
     """Copy good runs from other journals; return the keys that none of them has."""
     for folder in others:
         if not missing:
             break
         contents = read(folder)
-        found = {key for key in missing
-                 if key in contents.records and contents.records[key].holds(wanted)}
+        found = {
+            key
+            for key in missing
+            if key in contents.records and contents.records[key].holds(wanted)
+        }
         for key in found:
             book.adopt(contents.records[key], contents)
         missing = [key for key in missing if key not in found]
     return missing
 
 
-def _record(source: Iterator[Event], queue: deque[Task], book: Journal, tally: _Tally,
-            recipe: Recipe, timeout: float | None, retries: int) -> None:
+def _record(
+    source: Iterator[Event],
+    queue: deque[Task],
+    book: Journal,
+    tally: _Tally,
+    recipe: Recipe,
+    timeout: float | None,
+    retries: int,
+) -> None:
     """Write what comes from `source` into the journal; put failed runs back while they may."""
-    described = {"solver": recipe.name, "version": str(recipe.solver.version),
-                 "options": recipe.plain_options}
+    described = {
+        "solver": recipe.name,
+        "version": str(recipe.solver.version),
+        "options": recipe.plain_options,
+    }
     for event in source:
         if event is None:
             book.sync()
@@ -167,8 +202,18 @@ def _record(source: Iterator[Event], queue: deque[Task], book: Journal, tally: _
         if outcome.status != "ok" and not decided and task.attempts <= retries:
             queue.append(task)
             continue
-        record = Record(task.key, task.call, outcome.status, outcome.message, outcome.seconds,
-                        task.attempts, time.time(), timeout, outcome.outputs, solver=described)
+        record = Record(
+            task.key,
+            task.call,
+            outcome.status,
+            outcome.message,
+            outcome.seconds,
+            task.attempts,
+            time.time(),
+            timeout,
+            outcome.outputs,
+            solver=described,
+        )
         if recipe.deterministic:
             record = _with_earlier(record, book.records.get(task.key))
         book.append(record, outcome.fields)
@@ -201,8 +246,12 @@ class _Tally:
     def add(self, record: Record) -> None:
         """Count a run that just ended."""
         self.seconds.append(record.seconds * record.attempts)
-        self.now = replace(self.now, done=self.now.done + 1, last=record,
-                           failed=self.now.failed + (record.status != "ok"))
+        self.now = replace(
+            self.now,
+            done=self.now.done + 1,
+            last=record,
+            failed=self.now.failed + (record.status != "ok"),
+        )
         self._tell()
 
     def _tell(self) -> None:

@@ -66,8 +66,14 @@ class Elsewhere:
     def _submit(self, queue: deque[Task], token: str, finished: SimpleQueue[Future]) -> None:
         while queue and len(self.going) + self._stuck < self.places:
             task = queue.popleft()
-            future = self.executor.submit(Built.evaluate, token, self.recipe.build,
-                                          dict(self.recipe.options), task.call, self.wanted)
+            future = self.executor.submit(
+                Built.evaluate,
+                token,
+                self.recipe.build,
+                dict(self.recipe.options),
+                task.call,
+                self.wanted,
+            )
             self.going[future], self.since[future] = task, time.monotonic()
             future.add_done_callback(finished.put)
 
@@ -76,9 +82,11 @@ class Elsewhere:
         stuck = self._stuck
         waiting = self._says_running and not any(future.running() for future in self.going)
         if stuck and (stuck >= self.places or waiting):
-            raise SurrogateError(f"all {stuck} places of the executor are taken by runs over the "
-                                 f"time limit of {self.timeout:g} s; the runs finished so far are "
-                                 "kept. Local workers (no executor) can stop such runs")
+            raise SurrogateError(
+                f"all {stuck} places of the executor are taken by runs over the "
+                f"time limit of {self.timeout:g} s; the runs finished so far are "
+                "kept. Local workers (no executor) can stop such runs"
+            )
 
     @property
     def _says_running(self) -> bool:
@@ -95,17 +103,26 @@ class Elsewhere:
             elif now - self.since[future] >= self.timeout and not future.done():
                 del self.going[future]
                 self.lost.append(future)
-                yield task, Outcome(
-                    "timed_out", f"given up after {self.timeout:g} s, the time limit of a run; "
-                    "the executor cannot stop it", now - self.since[future], answered=False)
+                yield (
+                    task,
+                    Outcome(
+                        "timed_out",
+                        f"given up after {self.timeout:g} s, the time limit of a run; "
+                        "the executor cannot stop it",
+                        now - self.since[future],
+                        answered=False,
+                    ),
+                )
 
 
 def _outcome(future: Future) -> Outcome:
     try:
         return future.result()
     except (BrokenExecutor, CancelledError) as error:
-        raise SurrogateError(f"the executor stopped working ({type(error).__name__}: {error}); the "
-                             "runs finished so far are kept. Local workers (no executor) survive "
-                             "a solver that crashes") from error
+        raise SurrogateError(
+            f"the executor stopped working ({type(error).__name__}: {error}); the "
+            "runs finished so far are kept. Local workers (no executor) survive "
+            "a solver that crashes"
+        ) from error
     except Exception as error:  # the executor's own trouble: pickling, a lost machine
         return Outcome("failed", f"{type(error).__name__}: {error}", 0.0, answered=False)

@@ -12,8 +12,9 @@ from surrogate.runs.identity import Recipe
 from surrogate.runs.journal import Journal, read
 
 
-def execute_fresh(recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path,
-                  **options: Any) -> Progress:
+def execute_fresh(
+    recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path, **options: Any
+) -> Progress:
     """As `execute`, at every row; new records follow the old ones when all are done.
 
     Until then they stand in a journal of their own beside `journal`, which is held

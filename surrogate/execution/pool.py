@@ -166,8 +166,9 @@ class Pool:
         except (EOFError, OSError, pickle.UnpicklingError):
             return False, None
         if isinstance(message, str):
-            raise PluginError(f"solver {self.recipe.name} cannot be built in a worker process: "
-                              f"{message}")
+            raise PluginError(
+                f"solver {self.recipe.name} cannot be built in a worker process: {message}"
+            )
         if message is None:
             if not worker.ready:
                 self._false_starts = 0
@@ -204,14 +205,17 @@ class Pool:
         """Go on with fewer workers where some work (memory for no more), else give up."""
         self._false_starts += 1
         if self._parcel.needs_main:
-            reason += ". It runs the script again to find the solver in it: put the script's own " \
-                      'calls below `if __name__ == "__main__":`'
+            reason += (
+                ". It runs the script again to find the solver in it: put the script's own "
+                'calls below `if __name__ == "__main__":`'
+            )
         elif self._false_starts < FALSE_STARTS:
             return
         working = sum(worker.ready for worker in self._team)
         if not working:
-            raise PluginError(f"solver {self.recipe.name} cannot be built in a worker process: "
-                              f"{reason}")
+            raise PluginError(
+                f"solver {self.recipe.name} cannot be built in a worker process: {reason}"
+            )
         self.workers, self._false_starts = working, 0
 
     def _end_overdue(self, queue: deque[Task]) -> Iterator[Event]:
@@ -225,11 +229,13 @@ class Pool:
                     self._team.remove(worker)
                     worker.kill()
                     message = f"stopped after {self.timeout:g} s, the time limit of a run"
-                    yield from self._lose_run(worker, queue, "timed_out",
-                                              message + worker.last_words())
+                    yield from self._lose_run(
+                        worker, queue, "timed_out", message + worker.last_words()
+                    )
 
-    def _lose_run(self, worker: _Worker, queue: deque[Task], status: str,
-                  message: str) -> Iterator[Event]:
+    def _lose_run(
+        self, worker: _Worker, queue: deque[Task], status: str, message: str
+    ) -> Iterator[Event]:
         if worker.tasks:
             task = worker.tasks.popleft()
             queue.extendleft(reversed(worker.tasks))

@@ -39,25 +39,30 @@ class Parcel:
 
 def parcel(recipe: Recipe) -> Parcel:
     """What a worker needs to build the solver; `StudyError` when it could not import it."""
-    cure = ("workers cannot import it; put it into a module file, or pass an executor "
-            "of threads: executor=ThreadPoolExecutor()")
+    cure = (
+        "workers cannot import it; put it into a module file, or pass an executor "
+        "of threads: executor=ThreadPoolExecutor()"
+    )
     needs_main = getattr(recipe.build, "__module__", None) == "__main__"
     if needs_main and not hasattr(sys.modules["__main__"], "__file__"):
         raise StudyError(f"solver {recipe.name} is defined in an interactive session, and {cure}")
     try:
         return Parcel(pickle.dumps((recipe.build, dict(recipe.options))), needs_main)
     except (pickle.PicklingError, AttributeError, TypeError) as error:
-        raise StudyError(f"solver {recipe.name} cannot be sent to workers ({error}): "
-                         f"{cure}") from error
+        raise StudyError(
+            f"solver {recipe.name} cannot be sent to workers ({error}): {cure}"
+        ) from error
 
 
-def start(life: Callable[..., None], sent: Parcel,
-          *arguments: Any) -> tuple[BaseProcess, Connection]:
+def start(
+    life: Callable[..., None], sent: Parcel, *arguments: Any
+) -> tuple[BaseProcess, Connection]:
     """A new process that runs life(connection, sent.content, *arguments); our end of its pipe."""
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
-    process = context.Process(target=life, args=(theirs, sent.content, *arguments),
-                              name="surrogate worker")
+    process = context.Process(
+        target=life, args=(theirs, sent.content, *arguments), name="surrogate worker"
+    )
     main = nullcontext() if sent.needs_main else _main_module_left_alone()
     with main, _interrupts_held_back():
         process.start()

@@ -30,8 +30,14 @@ BATCH_SECONDS = 0.1
 #: Bytes of a solver's printing that are kept.
 PRINTED_BYTES = 1_000_000
 
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS",
-                    "BLIS_NUM_THREADS", "VECLIB_MAXIMUM_THREADS", "NUMEXPR_NUM_THREADS")
+THREAD_VARIABLES = (
+    "OMP_NUM_THREADS",
+    "OPENBLAS_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "BLIS_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+    "NUMEXPR_NUM_THREADS",
+)
 
 
 class Outcome(NamedTuple):
@@ -79,22 +85,28 @@ def check(name: str, output: Output, result: Any) -> np.ndarray:
     shape, or not finite where the solver declares no gaps.
     """
     if not isinstance(result, Mapping):
-        raise ValueError(f"the solver returned {type(result).__name__}; it must return a mapping "
-                         "of output names to values")
+        raise ValueError(
+            f"the solver returned {type(result).__name__}; it must return a mapping "
+            "of output names to values"
+        )
     if name not in result:
-        raise ValueError(f"the solver did not return '{name}'; it returned "
-                         f"{', '.join(map(str, result)) or 'nothing'}")
+        raise ValueError(
+            f"the solver did not return '{name}'; it returned "
+            f"{', '.join(map(str, result)) or 'nothing'}"
+        )
     try:
         value = np.asarray(result[name])
         if value.dtype.kind == "c":
             raise TypeError
         value = value.astype(float)
     except (TypeError, ValueError):
-        raise ValueError(f"output '{name}' is {_short(result[name])}; "
-                         "it must be real numbers") from None
+        raise ValueError(
+            f"output '{name}' is {_short(result[name])}; it must be real numbers"
+        ) from None
     if value.shape != output.shape:
-        raise ValueError(f"output '{name}' has shape {value.shape}; the solver declares "
-                         f"{output.shape}")
+        raise ValueError(
+            f"output '{name}' has shape {value.shape}; the solver declares {output.shape}"
+        )
     bad = np.count_nonzero(np.isinf(value) if output.gaps else ~np.isfinite(value))
     if bad and not output.dims:
         raise ValueError(f"output '{name}' is {value}; it must be finite")
@@ -119,8 +131,9 @@ def describe(error: BaseException) -> str:
     return f"{said} ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})"
 
 
-def work(connection: Connection, recipe: bytes, wanted: Mapping[str, Output], threads: int,
-         printed: str) -> None:
+def work(
+    connection: Connection, recipe: bytes, wanted: Mapping[str, Output], threads: int, printed: str
+) -> None:
     """Life of a worker process.
 
     recipe is the pickled (build, options) of the solver. Sends a text when the solver cannot

@@ -33,14 +33,17 @@ TIMED = 1000
 SIGNIFICANT = 0.05
 
 COLUMNS = {
-    "q2_cv": "Q2 of left-out predictions", "rmse_cv": "RMSE of left-out predictions",
-    "q2_test": "Q2 on the test design", "rmse_test": "RMSE on the test design",
+    "q2_cv": "Q2 of left-out predictions",
+    "rmse_cv": "RMSE of left-out predictions",
+    "q2_test": "Q2 on the test design",
+    "rmse_test": "RMSE on the test design",
     "max_error_test": "largest absolute error on the test design",
     "coverage_95": "share of test values inside their 95 % intervals",
     "fit_seconds": "time of the fit in s",
     "predict_seconds": f"time of predicting {TIMED} points in s",
     "modes": "modes of a field",
-    "truncation_error": "what the modes leave out, a share of the fluctuations' RMS"}
+    "truncation_error": "what the modes leave out, a share of the fluctuations' RMS",
+}
 
 
 def compare(fits: Fits, test: Mapping[str, Runs] | None = None) -> xr.Dataset:
@@ -66,32 +69,45 @@ def compare(fits: Fits, test: Mapping[str, Runs] | None = None) -> xr.Dataset:
         row, coverage[i, j] = _row(fit, (test or {}).get(output))
         for key, value in row.items():
             columns[key][i, j] = value
-    verdicts = [_verdict(fits, output, columns["q2_cv"][:, j], columns["q2_test"][:, j])
-                for j, output in enumerate(outputs)]
+    verdicts = [
+        _verdict(fits, output, columns["q2_cv"][:, j], columns["q2_test"][:, j])
+        for j, output in enumerate(outputs)
+    ]
     return _dataset(surrogates, outputs, columns, coverage, verdicts)
 
 
 def best(table: xr.Dataset) -> dict[str, str]:
     """The best surrogate of each output."""
-    return {str(output): str(name) for output, name in
-            zip(table["output"].values, table["best"].values, strict=True)}
+    return {
+        str(output): str(name)
+        for output, name in zip(table["output"].values, table["best"].values, strict=True)
+    }
 
 
 def _row(fit: Fit, test: Runs | None) -> tuple[dict[str, float], np.ndarray]:
     """Columns of one surrogate and output, and coverage at each level."""
-    row = {"q2_cv": fit.q2, "rmse_cv": fit.rmse, "fit_seconds": fit.seconds,
-           "predict_seconds": _predict_seconds(fit)}
+    row = {
+        "q2_cv": fit.q2,
+        "rmse_cv": fit.rmse,
+        "fit_seconds": fit.seconds,
+        "predict_seconds": _predict_seconds(fit),
+    }
     if isinstance(fit.estimator, Field):
-        row |= {"modes": len(fit.estimator.modes_),
-                "truncation_error": fit.estimator.truncation_error_}
+        row |= {
+            "modes": len(fit.estimator.modes_),
+            "truncation_error": fit.estimator.truncation_error_,
+        }
     if test is None or not len(test[1]):
         return row, np.full(len(LEVELS), np.nan)
     coded, values = test
     predicted = fit.predict(coded)
     covered = np.array([_coverage(fit, coded, values, level) for level in LEVELS])
-    row |= {"q2_test": q2(values, predicted), "rmse_test": rmse(values, predicted),
-            "max_error_test": np.abs(values - predicted).max(),
-            "coverage_95": covered[LEVELS.index(0.95)]}
+    row |= {
+        "q2_test": q2(values, predicted),
+        "rmse_test": rmse(values, predicted),
+        "max_error_test": np.abs(values - predicted).max(),
+        "coverage_95": covered[LEVELS.index(0.95)],
+    }
     return row, covered
 
 
@@ -120,8 +136,9 @@ def paired_test(first: Fit, second: Fit) -> float:
     K - 1 degrees of freedom, r = size of a fold / size of the rest. NaN when the fits
     learnt from different runs or some run cannot be left out.
     """
-    if not np.array_equal(first.coded, second.coded) or not np.array_equal(first.folds,
-                                                                           second.folds):
+    if not np.array_equal(first.coded, second.coded) or not np.array_equal(
+        first.folds, second.folds
+    ):
         return np.nan
     a, b = (_squared_errors(fit) for fit in (first, second))
     numbers, counts = np.unique(first.folds, return_counts=True)
@@ -145,30 +162,48 @@ class NestedTest:
     @property
     def sentence(self) -> str:
         """What the test says, in words."""
-        start = f"{self.output}: the {self.test.df_terms} terms of {self.larger} that " \
-                f"{self.smaller} has not"
+        start = (
+            f"{self.output}: the {self.test.df_terms} terms of {self.larger} that "
+            f"{self.smaller} has not"
+        )
         if np.isnan(self.test.p):
             return f"{start} cannot be tested; {self.larger} leaves no residual to test against."
         verdict = "explain more than" if self.test.p < SIGNIFICANT else "explain no more than"
-        return (f"{start} {verdict} their number would by chance (F = {self.test.f:.3g} on "
-                f"{self.test.df_terms} and {self.test.df_residual} degrees of freedom, "
-                f"p = {self.test.p:.2g}).")
+        return (
+            f"{start} {verdict} their number would by chance (F = {self.test.f:.3g} on "
+            f"{self.test.df_terms} and {self.test.df_residual} degrees of freedom, "
+            f"p = {self.test.p:.2g})."
+        )
 
 
 def nested_tests(fits: Fits) -> list[NestedTest]:
     """F tests of all pairs of polynomial surrogates, one within the other, of the same runs."""
-    polynomials = [fit for each in fits.values() for fit in each.values()
-                   if isinstance(fit.estimator, Polynomial)]
-    return [NestedTest(small.output, small.surrogate, large.surrogate,
-                       nested(small.estimator.model_, large.estimator.model_))
-            for small, large in permutations(polynomials, 2) if _within(small, large)]
+    polynomials = [
+        fit
+        for each in fits.values()
+        for fit in each.values()
+        if isinstance(fit.estimator, Polynomial)
+    ]
+    return [
+        NestedTest(
+            small.output,
+            small.surrogate,
+            large.surrogate,
+            nested(small.estimator.model_, large.estimator.model_),
+        )
+        for small, large in permutations(polynomials, 2)
+        if _within(small, large)
+    ]
 
 
 def _within(small: Fit, large: Fit) -> bool:
     """True for polynomials of one output and the same runs, all terms of one in the other."""
     terms = [set(fit.estimator.model_.names) for fit in (small, large)]
-    return (small.output == large.output and terms[0] < terms[1]
-            and np.array_equal(small.coded, large.coded))
+    return (
+        small.output == large.output
+        and terms[0] < terms[1]
+        and np.array_equal(small.coded, large.coded)
+    )
 
 
 def _squared_errors(fit: Fit) -> np.ndarray:
@@ -177,8 +212,9 @@ def _squared_errors(fit: Fit) -> np.ndarray:
     return errors.reshape(len(errors), -1).mean(axis=1)
 
 
-def _scores(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) -> tuple[
-        np.ndarray, str, str]:
+def _scores(
+    fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray
+) -> tuple[np.ndarray, str, str]:
     """Scores that decide on the best surrogate of an output, what they are, and why these."""
     learnt = [fits[name][output].coded if output in fits[name] else None for name in fits]
     runs = [0 if coded is None else len(coded) for coded in learnt]
@@ -188,11 +224,17 @@ def _scores(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) -> 
     if able.any() and same[able].all():
         return q2_cv, "cross-validated Q2", ""
     if np.isfinite(q2_test).any():
-        why = "the surrogates learnt from different runs" if able.any() else \
-            "no surrogate can be cross-validated"
+        why = (
+            "the surrogates learnt from different runs"
+            if able.any()
+            else "no surrogate can be cross-validated"
+        )
         return q2_test, "Q2 on the test design", why
-    return (np.where(same, q2_cv, np.nan),
-            "cross-validated Q2 of those that learnt from most runs", "")
+    return (
+        np.where(same, q2_cv, np.nan),
+        "cross-validated Q2 of those that learnt from most runs",
+        "",
+    )
 
 
 def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) -> dict:
@@ -200,10 +242,20 @@ def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) ->
     names = [name for name in fits if output in fits[name]]
     order = {name: k for k, name in enumerate(fits)}
     scores, *how = _scores(fits, output, q2_cv, q2_test)
-    ranked = sorted((name for name in names if np.isfinite(scores[order[name]])),
-                    key=lambda name: -scores[order[name]]) or names
-    verdict = {"best": ranked[0], "runner_up": "", "margin": np.nan, "margin_p": np.nan,
-               "scores": scores}
+    ranked = (
+        sorted(
+            (name for name in names if np.isfinite(scores[order[name]])),
+            key=lambda name: -scores[order[name]],
+        )
+        or names
+    )
+    verdict = {
+        "best": ranked[0],
+        "runner_up": "",
+        "margin": np.nan,
+        "margin_p": np.nan,
+        "scores": scores,
+    }
     if len(ranked) > 1 and np.isfinite(scores[order[ranked[1]]]):
         verdict["runner_up"] = ranked[1]
         verdict["margin"] = float(scores[order[ranked[0]]] - scores[order[ranked[1]]])
@@ -215,8 +267,10 @@ def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) ->
 
 def _sentence(output: str, verdict: dict, score: float, how: str, why: str) -> str:
     if not np.isfinite(score):
-        return (f"{output}: the surrogates cannot be told apart, for lack of runs to leave out "
-                "and of a test design.")
+        return (
+            f"{output}: the surrogates cannot be told apart, for lack of runs to leave out "
+            "and of a test design."
+        )
     figure = f"{score:.4g}; {why}" if why else f"{score:.4g}"
     start = f"{output}: {verdict['best']} has the largest {how} ({figure})"
     if not verdict["runner_up"]:
@@ -225,16 +279,20 @@ def _sentence(output: str, verdict: dict, score: float, how: str, why: str) -> s
     if np.isnan(verdict["margin_p"]):
         return f"{start}; whether that exceeds chance cannot be tested."
     relation = "more" if verdict["margin_clear"] else "no more"
-    return f"{start}; that is {relation} than the scatter between folds (p = " \
-           f"{verdict['margin_p']:.2g})."
+    return (
+        f"{start}; that is {relation} than the scatter between folds (p = "
+        f"{verdict['margin_p']:.2g})."
+    )
 
 
 def _dataset(surrogates, outputs, columns, coverage, verdicts) -> xr.Dataset:
     dims = ("surrogate", "output")
-    variables = {name: (dims, columns[name], {"long_name": text})
-                 for name, text in COLUMNS.items()}
-    variables["coverage"] = ((*dims, "level"), coverage,
-                             {"long_name": "share of test values inside their intervals"})
+    variables = {name: (dims, columns[name], {"long_name": text}) for name, text in COLUMNS.items()}
+    variables["coverage"] = (
+        (*dims, "level"),
+        coverage,
+        {"long_name": "share of test values inside their intervals"},
+    )
     for name in ("best", "runner_up", "sentence"):
         variables[name] = ("output", np.array([v[name] for v in verdicts], dtype=str))
     for name in ("margin", "margin_p"):

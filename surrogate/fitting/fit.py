@@ -92,8 +92,13 @@ class Fit:
         if not return_std:
             return _chunked(self.estimator.predict, coded, self.values.shape[1:])
         if self.offers_std:
-            return tuple(_chunked(lambda x: np.stack(self.estimator.predict(x, return_std=True), 1),
-                                  coded, (2, *self.values.shape[1:])).swapaxes(0, 1))
+            return tuple(
+                _chunked(
+                    lambda x: np.stack(self.estimator.predict(x, return_std=True), 1),
+                    coded,
+                    (2, *self.values.shape[1:]),
+                ).swapaxes(0, 1)
+            )
         mean = self.predict(coded)
         return mean, np.broadcast_to(self._spread(), mean.shape)
 
@@ -136,14 +141,24 @@ class Fit:
         """
         single = self.estimator.estimator if isinstance(self.estimator, Field) else self.estimator
         if not hasattr(single, "portable"):
-            raise FitError(f"surrogate '{self.surrogate}' has no portable form; export a "
-                           "polynomial, polynomial chaos or Gaussian process")
+            raise FitError(
+                f"surrogate '{self.surrogate}' has no portable form; export a "
+                "polynomial, polynomial chaos or Gaussian process"
+            )
         model = self.estimator.portable()
         return portable.describe(self.space, model, surrogate=self.surrogate, output=self.output)
 
 
-def fit(space: Space, coded, values, estimator, *, surrogate: str = "surrogate",
-        output: str = "output", seed: int = 0) -> Fit:
+def fit(
+    space: Space,
+    coded,
+    values,
+    estimator,
+    *,
+    surrogate: str = "surrogate",
+    output: str = "output",
+    seed: int = 0,
+) -> Fit:
     """Fit a clone of `estimator` to values (n,) or fields (n, ...) at coded points (n, d).
 
     The estimator is given the space if it has a parameter of that name; otherwise
@@ -158,20 +173,35 @@ def fit(space: Space, coded, values, estimator, *, surrogate: str = "surrogate",
     try:
         fitted = clone(prepared).fit(coded, values)
     except (ValueError, np.linalg.LinAlgError) as error:
-        raise FitError(f"surrogate '{surrogate}' cannot be fitted to '{output}': "
-                       f"{error}") from error
+        raise FitError(
+            f"surrogate '{surrogate}' cannot be fitted to '{output}': {error}"
+        ) from error
     seconds = time.perf_counter() - start
     groups = folds(len(coded), seed=seed)
-    return Fit(surrogate, output, space, fitted, coded, values, groups,
-               _left_out(fitted, prepared, coded, values, groups), seconds)
+    return Fit(
+        surrogate,
+        output,
+        space,
+        fitted,
+        coded,
+        values,
+        groups,
+        _left_out(fitted, prepared, coded, values, groups),
+        seconds,
+    )
 
 
 def prepare(estimator, space: Space, *, seed: int = 0, field: bool = False):
     """The estimator as `fit` uses it: unfitted, knowing space and seed, for scalars or fields."""
     ready = clone(estimator)
     options = ready.get_params(deep=True)
-    ready.set_params(**{name: seed for name, value in options.items()
-                        if name.split("__")[-1] == "random_state" and value is None})
+    ready.set_params(
+        **{
+            name: seed
+            for name, value in options.items()
+            if name.split("__")[-1] == "random_state" and value is None
+        }
+    )
     if "space" in ready.get_params(deep=False):
         ready.set_params(space=space)
     elif any(parameter.categorical for parameter in space.parameters):
@@ -233,20 +263,26 @@ def _check(space, coded, values, estimator, surrogate, output) -> None:
         raise FitError(f"{len(coded)} points but {len(values)} values of '{output}'")
     bad = int((~np.isfinite(values).all(axis=tuple(range(1, values.ndim)))).sum())
     if bad:
-        raise FitError(f"{bad} of {len(values)} values of '{output}' are not finite; leave failed "
-                       "runs out before fitting")
+        raise FitError(
+            f"{bad} of {len(values)} values of '{output}' are not finite; leave failed "
+            "runs out before fitting"
+        )
     needed = minimum_runs(estimator, space)
     if len(coded) < needed:
-        raise FitError(f"surrogate '{surrogate}' needs at least {needed} runs in {space.size} "
-                       f"parameters but '{output}' has {len(coded)}; add runs or choose a "
-                       "surrogate with fewer terms")
+        raise FitError(
+            f"surrogate '{surrogate}' needs at least {needed} runs in {space.size} "
+            f"parameters but '{output}' has {len(coded)}; add runs or choose a "
+            "surrogate with fewer terms"
+        )
 
 
 def _points(coded, space: Space) -> np.ndarray:
     coded = np.atleast_2d(np.asarray(coded, dtype=float))
     if coded.ndim != 2 or coded.shape[1] != space.size:
-        raise FitError(f"points of shape {coded.shape} do not fit {space.size} parameters; give "
-                       f"coded points (run, parameter) in the order {', '.join(space.names)}")
+        raise FitError(
+            f"points of shape {coded.shape} do not fit {space.size} parameters; give "
+            f"coded points (run, parameter) in the order {', '.join(space.names)}"
+        )
     return coded
 
 

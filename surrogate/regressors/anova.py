@@ -47,8 +47,10 @@ def quadratures(space: Space | None, size: int, order: int) -> list[tuple]:
     Without a space, uniform on [-1, 1]. Raises `FitError` when inputs are correlated.
     """
     if space is not None and not space.independent:
-        raise FitError("closed-form Sobol' indices need independent parameters, but these are "
-                       "correlated; use Shapley effects")
+        raise FitError(
+            "closed-form Sobol' indices need independent parameters, but these are "
+            "correlated; use Shapley effects"
+        )
     return marginals(space, size, order)
 
 
@@ -70,8 +72,9 @@ def sobol_indices(coefficients, factors, weights, groups: Groups | None = None) 
     return sobol_indices_of_many(np.asarray(coefficients)[:, None], factors, weights, groups)[0]
 
 
-def sobol_indices_of_many(coefficients, factors, weights, groups: Groups | None = None,
-                          cut: float = 0.0) -> list[SobolIndices]:
+def sobol_indices_of_many(
+    coefficients, factors, weights, groups: Groups | None = None, cut: float = 0.0
+) -> list[SobolIndices]:
     """Indices of functions with the same factors: coefficients (T, functions).
 
     Terms may be complex as long as each function is real. cut: leave out directions of the
@@ -94,9 +97,16 @@ def sobol_indices_of_many(coefficients, factors, weights, groups: Groups | None 
     known = variance > floor
     share = np.where(known, 1.0 / np.where(known, variance, 1.0), 0.0)
     mean = (base @ c).real
-    return [SobolIndices(alone[:, k] * share[k], unexplained[:, k] * share[k],
-                         pairs[:, :, k] * share[k], float(variance[k] * known[k]),
-                         float(mean[k])) for k in range(c.shape[1])]
+    return [
+        SobolIndices(
+            alone[:, k] * share[k],
+            unexplained[:, k] * share[k],
+            pairs[:, :, k] * share[k],
+            float(variance[k] * known[k]),
+            float(mean[k]),
+        )
+        for k in range(c.shape[1])
+    ]
 
 
 def shifted(indices: SobolIndices, constant: float) -> SobolIndices:
@@ -126,7 +136,8 @@ def _low_order(c, means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
             scaled = c.T * np.delete(means, [i, j], axis=0).prod(axis=0)
             pairs[i, j] = pairs[j, i] = [
                 weights[i] @ ((centred[i].T * one) @ centred[j]).real ** 2 @ weights[j]
-                for one in scaled]
+                for one in scaled
+            ]
     return alone, pairs
 
 

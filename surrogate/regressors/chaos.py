@@ -51,8 +51,10 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         """Fit to coded points X (n, d) and values y (n,)."""
         X, y = validate_data(self, X, y, y_numeric=True, ensure_min_samples=3)
         if not (self.max_degree >= 1 and 0.0 < self.hyperbolic <= 1.0):
-            raise ValueError(f"max_degree {self.max_degree} must be 1 or more and hyperbolic "
-                             f"{self.hyperbolic} above 0 and at most 1")
+            raise ValueError(
+                f"max_degree {self.max_degree} must be 1 or more and hyperbolic "
+                f"{self.hyperbolic} above 0 and at most 1"
+            )
         parameters = self.space.parameters if self.space else [None] * X.shape[1]
         self.bases_ = [basis(parameter, self.max_degree) for parameter in parameters]
         self.indices_, self.degree_, self.error_ = self._select(X, y)
@@ -107,8 +109,10 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         anova.quadratures(self.space, len(self.bases_), 1)  # raises when inputs are correlated
         kept = [[i] for i in range(len(self.bases_))] if groups is None else groups
-        grouped = [*kept, *([i] for i in range(len(self.bases_))
-                            if not any(i in group for group in kept))]
+        grouped = [
+            *kept,
+            *([i] for i in range(len(self.bases_)) if not any(i in group for group in kept)),
+        ]
         of = {i: g for g, group in enumerate(grouped) for i in group}
         size = len(grouped)
         first, total, second = np.zeros(size), np.zeros(size), np.zeros((size, size))
@@ -124,15 +128,25 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         variance = float(parts[1:].sum())
         share = 1.0 / variance if variance > 0.0 else 0.0
         own = slice(len(kept))
-        return anova.SobolIndices(first[own] * share, total[own] * share,
-                                  second[own, own] * share, variance, float(self.coef_[0]))
+        return anova.SobolIndices(
+            first[own] * share,
+            total[own] * share,
+            second[own, own] * share,
+            variance,
+            float(self.coef_[0]),
+        )
 
     def portable(self) -> dict:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
-        return {"kind": "chaos", "bases": [_described(one) for one in self.bases_],
-                "terms": [{"coefficient": float(c), "degrees": [list(part) for part in index]}
-                          for c, index in zip(self.coef_, self.indices_, strict=True)]}
+        return {
+            "kind": "chaos",
+            "bases": [_described(one) for one in self.bases_],
+            "terms": [
+                {"coefficient": float(c), "degrees": [list(part) for part in index]}
+                for c, index in zip(self.coef_, self.indices_, strict=True)
+            ],
+        }
 
 
 def _sizes(bases: list[Basis]) -> tuple[tuple[int, ...], ...]:
@@ -176,15 +190,16 @@ def best_count(matrix: np.ndarray, y: np.ndarray, folds: np.ndarray) -> tuple[in
 
     The error is a share of the variance. For each fold the terms are chosen without it.
     """
-    steps = min(int(np.min([(folds != k).sum() for k in np.unique(folds)])) - 1,
-                matrix.shape[1], TERMS)
+    steps = min(
+        int(np.min([(folds != k).sum() for k in np.unique(folds)])) - 1, matrix.shape[1], TERMS
+    )
     squares = np.zeros(max(steps, 1))
     for fold in np.unique(folds):
         inside = folds == fold
         order = pursue(matrix[~inside], y[~inside], len(squares))
         errors = _path_errors(matrix[:, order], y, inside)
         squares[: len(order)] += errors
-        squares[len(order):] += errors[-1]
+        squares[len(order) :] += errors[-1]
     count = int(squares.argmin()) + 1
     total = float(((y - y.mean()) ** 2).sum())
     varies = total > 1e-28 * float(y @ y)  # by more than rounding

@@ -39,15 +39,21 @@ def columns(space: Space | None, size: int) -> tuple[Column, ...]:
     """Columns of a space; without one, of `size` numeric parameters called x1, x2, ..."""
     if space is None:
         return tuple(Column(j, f"x{j + 1}") for j in range(size))
-    return tuple(column for j, parameter in enumerate(space.parameters)
-                 for column in _of_parameter(j, parameter))
+    return tuple(
+        column
+        for j, parameter in enumerate(space.parameters)
+        for column in _of_parameter(j, parameter)
+    )
 
 
 def _of_parameter(j: int, parameter) -> list[Column]:
     if not parameter.categorical:
         return [Column(j, parameter.name)]
-    return [Column(j, f"{parameter.name}[{level}]", index, len(parameter.levels))
-            for index, level in enumerate(parameter.levels) if index]
+    return [
+        Column(j, f"{parameter.name}[{level}]", index, len(parameter.levels))
+        for index, level in enumerate(parameter.levels)
+        if index
+    ]
 
 
 def expand(coded: np.ndarray, of: tuple[Column, ...]) -> np.ndarray:

@@ -59,8 +59,10 @@ class Field(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         other = clone(self)
         amplitudes = other._decompose(y)
-        near = [getattr(model, "refitted", clone(self.estimator).fit)
-                for model in self.estimators_[:amplitudes.shape[1]]]
+        near = [
+            getattr(model, "refitted", clone(self.estimator).fit)
+            for model in self.estimators_[: amplitudes.shape[1]]
+        ]
         near += [clone(self.estimator).fit for _ in range(amplitudes.shape[1] - len(near))]
         other.estimators_ = [fit(X, own) for fit, own in zip(near, amplitudes.T, strict=True)]
         other.n_features_in_ = np.shape(X)[1]
@@ -93,9 +95,14 @@ class Field(RegressorMixin, BaseEstimator):
     @property
     def interval_freedom(self) -> int | None:
         """Degrees of freedom of the modes' intervals; None where they have none of their own."""
-        return min((freedom for model in self.estimators_
-                    if (freedom := getattr(model, "interval_freedom", None)) is not None),
-                   default=None)
+        return min(
+            (
+                freedom
+                for model in self.estimators_
+                if (freedom := getattr(model, "interval_freedom", None)) is not None
+            ),
+            default=None,
+        )
 
     def predict(self, X, return_std=False):
         """Fields (m, ...) at coded X (m, d).
@@ -104,8 +111,10 @@ class Field(RegressorMixin, BaseEstimator):
         modes taken as independent and what they leave out included.
         """
         check_is_fitted(self)
-        answers = [model.predict(X, return_std=True) if return_std else (model.predict(X),)
-                   for model in self.estimators_]
+        answers = [
+            model.predict(X, return_std=True) if return_std else (model.predict(X),)
+            for model in self.estimators_
+        ]
         amplitudes = np.array([answer[0] for answer in answers]).reshape(-1, len(X)).T
         fields = (self.mean_ + amplitudes @ self.modes_).reshape(len(X), *self.shape_)
         if not return_std:
@@ -140,28 +149,42 @@ class Field(RegressorMixin, BaseEstimator):
         weights = variances / total if total > 0.0 else np.zeros_like(variances)
 
         def share(name: str, *shape: int) -> np.ndarray:
-            return sum((w * getattr(mode, name) for w, mode in zip(weights, modes, strict=True)),
-                       start=np.zeros(shape))
+            return sum(
+                (w * getattr(mode, name) for w, mode in zip(weights, modes, strict=True)),
+                start=np.zeros(shape),
+            )
 
-        return SobolIndices(share("first_order", size), share("total", size),
-                            share("second_order", size, size), total, float(self.mean_.mean()))
+        return SobolIndices(
+            share("first_order", size),
+            share("total", size),
+            share("second_order", size, size),
+            total,
+            float(self.mean_.mean()),
+        )
 
     @_offered("posterior_draws")
     def posterior_draws(self, size: int, seed=None) -> list[FieldDraw]:
         """Fields that are as plausible as the mean, given the runs; modes independent."""
         check_is_fitted(self)
         seeds = np.random.SeedSequence(seed).spawn(len(self.estimators_))
-        by_mode = [model.posterior_draws(size, seed=one)
-                   for model, one in zip(self.estimators_, seeds, strict=True)]
-        return [FieldDraw(self, tuple(draws[number] for draws in by_mode))
-                for number in range(size)]
+        by_mode = [
+            model.posterior_draws(size, seed=one)
+            for model, one in zip(self.estimators_, seeds, strict=True)
+        ]
+        return [
+            FieldDraw(self, tuple(draws[number] for draws in by_mode)) for number in range(size)
+        ]
 
     def portable(self) -> dict:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
-        return {"kind": "field", "shape": list(self.shape_), "mean": self.mean_.tolist(),
-                "modes": self.modes_.tolist(),
-                "amplitudes": [model.portable() for model in self.estimators_]}
+        return {
+            "kind": "field",
+            "shape": list(self.shape_),
+            "mean": self.mean_.tolist(),
+            "modes": self.modes_.tolist(),
+            "amplitudes": [model.portable() for model in self.estimators_],
+        }
 
 
 @dataclass(frozen=True)

@@ -91,8 +91,9 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         if self.trend not in TRENDS:
             raise ValueError(f"trend '{self.trend}': {nearest(self.trend, TRENDS)}")
         if self.nugget != "estimate" and not (np.isreal(self.nugget) and self.nugget > 0):
-            raise ValueError(f"nugget {self.nugget}: give 'estimate' or a number above 0, "
-                             "such as 1e-8")
+            raise ValueError(
+                f"nugget {self.nugget}: give 'estimate' or a number above 0, such as 1e-8"
+            )
 
     def trend_columns(self, points: np.ndarray) -> np.ndarray:
         """F (n, q): ones, and the columns for a linear trend."""
@@ -102,8 +103,10 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         """F (n, q) of training points, which must determine the trend."""
         F = self.trend_columns(points)
         if len(F) <= F.shape[1] or np.linalg.matrix_rank(F) < F.shape[1]:
-            raise ValueError(f"{len(F)} runs cannot determine a {self.trend} trend with "
-                             f"{F.shape[1]} coefficients; add runs or use trend: constant")
+            raise ValueError(
+                f"{len(F)} runs cannot determine a {self.trend} trend with "
+                f"{F.shape[1]} coefficients; add runs or use trend: constant"
+            )
         return F
 
     def _trend_terms(self) -> list:
@@ -111,8 +114,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
 
     def minimum_runs(self, space) -> int:
         """Runs that a fit needs: two more than the trend has coefficients."""
-        return 2 + (len(linear_terms(columns(space, space.size)))
-                    if self.trend == "linear" else 1)
+        return 2 + (len(linear_terms(columns(space, space.size))) if self.trend == "linear" else 1)
 
     def _bounds(self) -> np.ndarray:
         """Bounds of log lengths and log nugget, (c + 1, 2)."""
@@ -143,9 +145,17 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         """Best end (c + 1,) of local searches on some runs from each start."""
         points = self.points_[chosen]
         posterior = Posterior(points, self._checked_trend(points), self.standard_[chosen])
-        found = [optimize.minimize(posterior, start, jac=True, method="L-BFGS-B",
-                                   bounds=self._bounds(), options={"maxiter": 200, "ftol": end})
-                 for start in starts]
+        found = [
+            optimize.minimize(
+                posterior,
+                start,
+                jac=True,
+                method="L-BFGS-B",
+                bounds=self._bounds(),
+                options={"maxiter": 200, "ftol": end},
+            )
+            for start in starts
+        ]
         return min(found, key=lambda one: one.fun).x
 
     def _set(self, logs: np.ndarray) -> None:
@@ -167,8 +177,9 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         points = self.expanded(X)
         F = self.trend_columns(points)
-        mean = F @ self.trend_ + weighted_sum(points, self.points_, self.lengths_,
-                                              self.state_.weights)
+        mean = F @ self.trend_ + weighted_sum(
+            points, self.points_, self.lengths_, self.state_.weights
+        )
         mean = self.offset_ + self.scale_ * mean
         return (mean, self._std(points, F)) if return_std else mean
 
@@ -185,8 +196,12 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             cross = correlation(points[part], self.points_, self.lengths_)
             explained = linalg.solve_triangular(self.state_.factor, cross.T, lower=True)
             rest = F[part] - cross @ solved
-            variance[part] = (1.0 + self.nugget_ - (explained**2).sum(axis=0)
-                              + ((rest @ self.state_.gain) * rest).sum(axis=1))
+            variance[part] = (
+                1.0
+                + self.nugget_
+                - (explained**2).sum(axis=0)
+                + ((rest @ self.state_.gain) * rest).sum(axis=1)
+            )
         return np.sqrt(self.variance_ * np.maximum(variance, self.nugget_))
 
     def leave_one_out(self) -> np.ndarray:
@@ -220,7 +235,8 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         points = self.points_[inside]
         return self.offset_ + self.scale_ * (
             other.trend_columns(points) @ other.trend_
-            + weighted_sum(points, other.points_, other.lengths_, other.state_.weights))
+            + weighted_sum(points, other.points_, other.lengths_, other.state_.weights)
+        )
 
     def _closed(self, folds: np.ndarray) -> np.ndarray:
         """Block form of Dubrule 1983: the error of a fold B is (Q_BB)^-1 (Q y)_B."""
@@ -250,8 +266,9 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         factors = [self.factor(j, nodes) for j, (nodes, _) in enumerate(rules)]
         coefficients = self.scale_ * np.append(self.state_.weights, self.trend_)
         weights = [w for _, w in rules]
-        return anova.shifted(anova.sobol_indices(coefficients, factors, weights, groups),
-                             self.offset_)
+        return anova.shifted(
+            anova.sobol_indices(coefficients, factors, weights, groups), self.offset_
+        )
 
     def own_columns(self, parameter: int, nodes: np.ndarray) -> tuple[list[int], np.ndarray]:
         """Numbers of one parameter's columns, and their values (m, own) at its nodes (m,)."""
@@ -272,9 +289,16 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
     def portable(self) -> dict:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
-        return {"kind": "gaussian_process", "columns": portable.columns(self.columns_),
-                "offset": self.offset_, "scale": self.scale_,
-                "lengths": self.lengths_.tolist(), "points": self.points_.tolist(),
-                "weights": self.state_.weights.tolist(),
-                "trend": [{"coefficient": float(c), "powers": [list(part) for part in term]}
-                          for c, term in zip(self.trend_, self._trend_terms(), strict=True)]}
+        return {
+            "kind": "gaussian_process",
+            "columns": portable.columns(self.columns_),
+            "offset": self.offset_,
+            "scale": self.scale_,
+            "lengths": self.lengths_.tolist(),
+            "points": self.points_.tolist(),
+            "weights": self.state_.weights.tolist(),
+            "trend": [
+                {"coefficient": float(c), "powers": [list(part) for part in term]}
+                for c, term in zip(self.trend_, self._trend_terms(), strict=True)
+            ],
+        }

@@ -37,8 +37,9 @@ def correlation(a: np.ndarray, b: np.ndarray, lengths: np.ndarray) -> np.ndarray
     return product
 
 
-def weighted_sum(points: np.ndarray, centres: np.ndarray, lengths: np.ndarray,
-                 weights: np.ndarray) -> np.ndarray:
+def weighted_sum(
+    points: np.ndarray, centres: np.ndarray, lengths: np.ndarray, weights: np.ndarray
+) -> np.ndarray:
     """sum_i weights[i] k(point, centre_i) at points (m, c), in blocks that fit the cache.
 
     weights (n,) or (n, draws); returns (m,) or (m, draws).
@@ -91,8 +92,11 @@ def condition(matrix: np.ndarray, F: np.ndarray, y: np.ndarray) -> Conditioned:
     rest = y - F @ trend
     weights = linalg.cho_solve((factor, True), rest, check_finite=False)
     variance = max(float(rest @ weights) / (n - q), 1e-300)
-    deviance = ((n - q) * np.log(variance) + 2.0 * np.log(np.diag(factor)).sum()
-                + np.linalg.slogdet(information)[1])
+    deviance = (
+        (n - q) * np.log(variance)
+        + 2.0 * np.log(np.diag(factor)).sum()
+        + np.linalg.slogdet(information)[1]
+    )
     return Conditioned(factor, projected, weights, trend, gain, variance, float(deviance))
 
 

@@ -79,8 +79,9 @@ class Paths:
         values += weighted_sum(points, one.points_, one.lengths_, self.weights[:, which])
         for start in range(0, len(points), STEP):
             part = slice(start, start + STEP)
-            values[part] += _terms(self.eigenfunctions, self.numbers,
-                                   points[part]) @ self.waves[:, which]
+            values[part] += (
+                _terms(self.eigenfunctions, self.numbers, points[part]) @ self.waves[:, which]
+            )
         return one.offset_ + one.scale_ * values
 
     def indices(self, groups: anova.Groups | None = None) -> list[anova.SobolIndices]:
@@ -93,14 +94,21 @@ class Paths:
     def _indices(self, groups: anova.Groups | None) -> list[anova.SobolIndices]:
         one = self.process
         rules = anova.quadratures(one.space, one.n_features_in_, QUADRATURE)
-        factors = [np.vstack([of.values(one.own_columns(j, nodes)[1])[:, self.numbers[:, j]].T,
-                              one.factor(j, nodes)])
-                   for j, (of, (nodes, _)) in enumerate(zip(self.eigenfunctions, rules,
-                                                            strict=True))]
+        factors = [
+            np.vstack(
+                [
+                    of.values(one.own_columns(j, nodes)[1])[:, self.numbers[:, j]].T,
+                    one.factor(j, nodes),
+                ]
+            )
+            for j, (of, (nodes, _)) in enumerate(zip(self.eigenfunctions, rules, strict=True))
+        ]
         coefficients = one.scale_ * np.vstack([self.waves, self.weights, self.trend])
         weights = [w for _, w in rules]
-        return [anova.shifted(indices, one.offset_) for indices in
-                anova.sobol_indices_of_many(coefficients, factors, weights, groups, CUT)]
+        return [
+            anova.shifted(indices, one.offset_)
+            for indices in anova.sobol_indices_of_many(coefficients, factors, weights, groups, CUT)
+        ]
 
 
 @dataclass(frozen=True)
@@ -149,8 +157,9 @@ def _eigenfunctions(process) -> list[Eigenfunctions]:
 def _of_input(process, parameter: int, nodes: np.ndarray, weights: np.ndarray) -> Eigenfunctions:
     own, values = process.own_columns(parameter, nodes)
     lengths, root = process.lengths_[own], np.sqrt(weights)
-    eigenvalues, vectors = np.linalg.eigh(root[:, None] * correlation(values, values, lengths)
-                                          * root)
+    eigenvalues, vectors = np.linalg.eigh(
+        root[:, None] * correlation(values, values, lengths) * root
+    )
     good = np.flatnonzero(eigenvalues > RESOLVED)[::-1]
     extension = root[:, None] * vectors[:, good] / eigenvalues[good]
     return Eigenfunctions(own, values, lengths, extension, eigenvalues[good])
@@ -170,8 +179,9 @@ def _largest(eigenvalues: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     return numbers, values
 
 
-def _terms(eigenfunctions: list[Eigenfunctions], numbers: np.ndarray,
-           points: np.ndarray) -> np.ndarray:
+def _terms(
+    eigenfunctions: list[Eigenfunctions], numbers: np.ndarray, points: np.ndarray
+) -> np.ndarray:
     """Products (k, terms) of eigenfunctions at column values (k, c)."""
     result = np.ones((len(points), len(numbers)))
     for j, of in enumerate(eigenfunctions):

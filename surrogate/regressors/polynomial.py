@@ -28,8 +28,11 @@ def linear_terms(of: tuple[Column, ...]) -> list[Term]:
 
 def interaction_terms(of: tuple[Column, ...]) -> list[Term]:
     """The linear terms and the products of columns of different parameters."""
-    pairs = [((i, 1), (j, 1)) for i, j in combinations(range(len(of)), 2)
-             if of[i].parameter != of[j].parameter]
+    pairs = [
+        ((i, 1), (j, 1))
+        for i, j in combinations(range(len(of)), 2)
+        if of[i].parameter != of[j].parameter
+    ]
     return linear_terms(of) + pairs
 
 
@@ -92,26 +95,28 @@ class TermRegressor(RegressorMixin, BaseEstimator):
         """Predictions (n,) of each run by the fit of the same terms without it; exact."""
         return self.model_.leave_one_out()
 
-    def regression_table(self, *, confidence: float = 0.95,
-                         deterministic: bool = False) -> xr.Dataset:
+    def regression_table(
+        self, *, confidence: float = 0.95, deterministic: bool = False
+    ) -> xr.Dataset:
         """Coefficients with errors, tests and diagnostics: see `regression.table`."""
         check_is_fitted(self)
-        return regression.table(self.model_, self.points_, confidence=confidence,
-                                deterministic=deterministic)
+        return regression.table(
+            self.model_, self.points_, confidence=confidence, deterministic=deterministic
+        )
 
     def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
         """Exact Sobol' indices of the polynomial under the space's law, of inputs or groups."""
         check_is_fitted(self)
         of, highest = self.columns_, max((q for term in self.terms_ for _, q in term), default=1)
         rules = anova.quadratures(self.space, self.n_features_in_, highest + 1)
-        factors = [self._factor(parameter, nodes, of)
-                   for parameter, (nodes, _) in enumerate(rules)]
+        factors = [self._factor(parameter, nodes, of) for parameter, (nodes, _) in enumerate(rules)]
         return anova.sobol_indices(self.coef_, factors, [weights for _, weights in rules], groups)
 
     def _factor(self, parameter: int, nodes: np.ndarray, of: tuple[Column, ...]) -> np.ndarray:
         """Part of each term that depends on one parameter, (p, m) at its nodes (m,)."""
-        own = [tuple((j, q) for j, q in term if of[j].parameter == parameter)
-               for term in self.terms_]
+        own = [
+            tuple((j, q) for j, q in term if of[j].parameter == parameter) for term in self.terms_
+        ]
         points = np.zeros((len(nodes), self.n_features_in_))
         points[:, parameter] = nodes
         return design_matrix(own, expand(points, of)).T
@@ -119,9 +124,15 @@ class TermRegressor(RegressorMixin, BaseEstimator):
     def portable(self) -> dict:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
-        return {"kind": "polynomial", "columns": portable.columns(self.columns_),
-                "terms": [{"coefficient": float(c), "powers": [list(part) for part in term]}
-                          for c, term in zip(self.coef_, self.terms_, strict=True) if c != 0.0]}
+        return {
+            "kind": "polynomial",
+            "columns": portable.columns(self.columns_),
+            "terms": [
+                {"coefficient": float(c), "powers": [list(part) for part in term]}
+                for c, term in zip(self.coef_, self.terms_, strict=True)
+                if c != 0.0
+            ],
+        }
 
 
 class Polynomial(TermRegressor):

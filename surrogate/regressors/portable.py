@@ -38,14 +38,24 @@ VERSION = 1
 
 def describe(space: Space, model: dict, *, surrogate: str, output: str) -> dict:
     """The whole document of one output's surrogate."""
-    return {"format": FORMAT, "version": VERSION, "surrogate": surrogate, "output": output,
-            "inputs": [_input(parameter) for parameter in space.parameters], "model": model}
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "surrogate": surrogate,
+        "output": output,
+        "inputs": [_input(parameter) for parameter in space.parameters],
+        "model": model,
+    }
 
 
 def columns(of: tuple[Column, ...]) -> list[dict]:
     """Columns as the module's first lines describe them."""
-    return [{"input": column.parameter, "level": column.level, "levels": column.levels}
-            if column.levels else {"input": column.parameter} for column in of]
+    return [
+        {"input": column.parameter, "level": column.level, "levels": column.levels}
+        if column.levels
+        else {"input": column.parameter}
+        for column in of
+    ]
 
 
 def _input(parameter: Parameter) -> dict:
@@ -64,7 +74,8 @@ def _coding(parameter: Parameter) -> dict:
         return {"kind": "normal", "mean": words["mean"], "std": words["std"]}
     if law == "lognormal" and "range" not in words:
         sigma = math.sqrt(math.log1p((words["std"] / words["mean"]) ** 2))
-        return {"kind": "lognormal", "mu": math.log(words["mean"]) - sigma**2 / 2.0,
-                "sigma": sigma}
-    raise FitError(f"{parameter.name}: a surrogate of an unbounded {parameter.distribution} input "
-                   "cannot be exported; give it a range [smallest, largest]")
+        return {"kind": "lognormal", "mu": math.log(words["mean"]) - sigma**2 / 2.0, "sigma": sigma}
+    raise FitError(
+        f"{parameter.name}: a surrogate of an unbounded {parameter.distribution} input "
+        "cannot be exported; give it a range [smallest, largest]"
+    )

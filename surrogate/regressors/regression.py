@@ -21,9 +21,11 @@ RANK_TOLERANCE = 1e-7
 #: A run whose leverage is this close to 1 determines a coefficient alone.
 LEVERAGE_TOLERANCE = 1e-10
 
-DETERMINISTIC = ("The solver is deterministic: the residuals are lack of fit and not noise, so "
-                 "standard errors, t and p say how well the polynomial describes the solver, not "
-                 "how surely an effect exists.")
+DETERMINISTIC = (
+    "The solver is deterministic: the residuals are lack of fit and not noise, so "
+    "standard errors, t and p say how well the polynomial describes the solver, not "
+    "how surely an effect exists."
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,8 +150,9 @@ def _independent(matrix: np.ndarray) -> np.ndarray:
     return kept
 
 
-def table(model: LeastSquares, points=None, *, confidence: float = 0.95,
-          deterministic: bool = False) -> xr.Dataset:
+def table(
+    model: LeastSquares, points=None, *, confidence: float = 0.95, deterministic: bool = False
+) -> xr.Dataset:
     """The regression table of a fit.
 
     points (n, d), the runs' inputs, show which runs are replicates (default: equal
@@ -165,9 +168,15 @@ def table(model: LeastSquares, points=None, *, confidence: float = 0.95,
         pure = _lack_of_fit(model, model.matrix if points is None else np.asarray(points))
         scalars = {name: ((), float(value)) for name, value in {**_summary(model), **pure}.items()}
     notes = _notes(model, pure) + ([DETERMINISTIC] if deterministic else [])
-    return xr.Dataset({**columns, **scalars, **rows}, coords={"term": list(model.names)},
-                      attrs={"confidence": confidence, "notes": "\n".join(notes),
-                             "deterministic": int(deterministic)})
+    return xr.Dataset(
+        {**columns, **scalars, **rows},
+        coords={"term": list(model.names)},
+        attrs={
+            "confidence": confidence,
+            "notes": "\n".join(notes),
+            "deterministic": int(deterministic),
+        },
+    )
 
 
 def _terms(model: LeastSquares, confidence: float) -> dict[str, np.ndarray]:
@@ -181,10 +190,15 @@ def _terms(model: LeastSquares, confidence: float) -> dict[str, np.ndarray]:
     half = _student(confidence, model.freedom) * error
     about_mean = ((model.matrix - model.matrix.mean(axis=0)) ** 2).sum(axis=0)
     constant = about_mean <= 1e-20 * np.maximum((model.matrix**2).sum(axis=0), 1e-300)
-    return {"coefficient": coefficient, "standard_error": error, "t": t,
-            "p": _tail(stats.t, np.abs(t), model.freedom, sides=2),
-            "low": coefficient - half, "high": coefficient + half,
-            "vif": np.where(constant, np.nan, unscaled * about_mean)}
+    return {
+        "coefficient": coefficient,
+        "standard_error": error,
+        "t": t,
+        "p": _tail(stats.t, np.abs(t), model.freedom, sides=2),
+        "low": coefficient - half,
+        "high": coefficient + half,
+        "vif": np.where(constant, np.nan, unscaled * about_mean),
+    }
 
 
 def _student(confidence: float, freedom: int) -> float:
@@ -201,12 +215,20 @@ def _summary(model: LeastSquares) -> dict[str, float]:
     press = float(((model.y - model.leave_one_out()) ** 2).sum())
     variance = model.residual_sd**2
     f = _ratio((model.sst - model.sse) / (rank - 1), variance) if rank > 1 else np.nan
-    return {"r2": 1.0 - _ratio(model.sse, model.sst),
-            "r2_adjusted": 1.0 - _ratio(variance, model.sst / (n - 1)),
-            "press": press, "q2": 1.0 - _ratio(press, model.sst),
-            "residual_sd": model.residual_sd, "f": f,
-            "f_p": _tail(stats.f, f, rank - 1, model.freedom), "aicc": _aicc(model),
-            "sse": model.sse, "runs": n, "df_model": rank - 1, "df_residual": model.freedom}
+    return {
+        "r2": 1.0 - _ratio(model.sse, model.sst),
+        "r2_adjusted": 1.0 - _ratio(variance, model.sst / (n - 1)),
+        "press": press,
+        "q2": 1.0 - _ratio(press, model.sst),
+        "residual_sd": model.residual_sd,
+        "f": f,
+        "f_p": _tail(stats.f, f, rank - 1, model.freedom),
+        "aicc": _aicc(model),
+        "sse": model.sse,
+        "runs": n,
+        "df_model": rank - 1,
+        "df_residual": model.freedom,
+    }
 
 
 def _ratio(part: float, whole: float) -> float:
@@ -229,9 +251,13 @@ def _runs(model: LeastSquares) -> dict[str, np.ndarray]:
     internal = model.residuals / (model.residual_sd * np.sqrt(slack))
     rest = np.where(freedom - internal**2 > 0.0, freedom - internal**2, np.nan)
     external = internal * np.sqrt((freedom - 1) / rest) if freedom > 1 else np.nan * internal
-    return {"residual": model.residuals, "leverage": leverage,
-            "cooks_distance": internal**2 * leverage / (slack * model.basis.shape[1]),
-            "studentised": internal, "studentised_external": external}
+    return {
+        "residual": model.residuals,
+        "leverage": leverage,
+        "cooks_distance": internal**2 * leverage / (slack * model.basis.shape[1]),
+        "studentised": internal,
+        "studentised_external": external,
+    }
 
 
 def _lack_of_fit(model: LeastSquares, points: np.ndarray) -> dict[str, float]:
@@ -247,22 +273,33 @@ def _lack_of_fit(model: LeastSquares, points: np.ndarray) -> dict[str, float]:
     f = np.nan
     if df_pure and df_lack > 0 and noisy:
         f = max(model.sse - pure, 0.0) / df_lack / (pure / df_pure)
-    return {"lack_of_fit_f": f, "lack_of_fit_p": _tail(stats.f, f, df_lack, df_pure),
-            "pure_error": pure, "df_lack_of_fit": df_lack, "df_pure_error": df_pure}
+    return {
+        "lack_of_fit_f": f,
+        "lack_of_fit_p": _tail(stats.f, f, df_lack, df_pure),
+        "pure_error": pure,
+        "df_lack_of_fit": df_lack,
+        "df_pure_error": df_pure,
+    }
 
 
 def _notes(model: LeastSquares, pure: dict[str, float]) -> list[str]:
     notes = aliases(model)
     if model.freedom == 0:
-        notes.append(f"The fit is saturated: {len(model.y)} runs determine "
-                     f"{model.basis.shape[1]} coefficients and leave nothing to judge them by. "
-                     "Standard errors, p-values and Q2 do not exist; add runs.")
+        notes.append(
+            f"The fit is saturated: {len(model.y)} runs determine "
+            f"{model.basis.shape[1]} coefficients and leave nothing to judge them by. "
+            "Standard errors, p-values and Q2 do not exist; add runs."
+        )
     elif (alone := np.flatnonzero(1.0 - model.leverage < LEVERAGE_TOLERANCE)).size:
-        notes.append(f"Run {', '.join(map(str, alone))} (counted from 0) alone determines a "
-                     "coefficient; it cannot be left out, so PRESS and Q2 do not exist.")
+        notes.append(
+            f"Run {', '.join(map(str, alone))} (counted from 0) alone determines a "
+            "coefficient; it cannot be left out, so PRESS and Q2 do not exist."
+        )
     if pure["df_pure_error"] and np.isnan(pure["lack_of_fit_f"]):
-        notes.append("The replicates agree exactly or leave no degrees of freedom: there is no "
-                     "pure error to test the lack of fit against.")
+        notes.append(
+            "The replicates agree exactly or leave no degrees of freedom: there is no "
+            "pure error to test the lack of fit against."
+        )
     return notes
 
 
@@ -275,8 +312,9 @@ def aliases(model: LeastSquares) -> list[str]:
         if len(others) == 0:
             sentences.append(f"{name} is zero in every run; it cannot be estimated.")
         else:
-            sentences.append(f"{name} is aliased with {', '.join(others)}: the runs cannot tell "
-                             "them apart.")
+            sentences.append(
+                f"{name} is aliased with {', '.join(others)}: the runs cannot tell them apart."
+            )
     return sentences
 
 
@@ -301,8 +339,9 @@ def nested(smaller: LeastSquares, larger: LeastSquares) -> Nested:
         raise FitError("the two models are fits of different runs; compare fits of the same runs")
     outside = smaller.basis - larger.basis @ (larger.basis.T @ smaller.basis)
     if np.abs(outside).max() > 1e-6:
-        raise FitError("the smaller model is not part of the larger one; the F test needs "
-                       "nested models")
+        raise FitError(
+            "the smaller model is not part of the larger one; the F test needs nested models"
+        )
     terms, freedom = smaller.freedom - larger.freedom, larger.freedom
     if terms == 0 or freedom == 0:
         return Nested(np.nan, np.nan, terms, freedom)

@@ -27,10 +27,15 @@ from surrogate.regressors.polynomial import (
     quadratic_terms,
 )
 
-CANDIDATES = {"linear": linear_terms, "interactions": interaction_terms,
-              "quadratic": quadratic_terms}
-SELECTED = ("The terms were selected with these runs: standard errors, p-values and Q2 of this "
-            "table do not know that and are too kind.")
+CANDIDATES = {
+    "linear": linear_terms,
+    "interactions": interaction_terms,
+    "quadratic": quadratic_terms,
+}
+SELECTED = (
+    "The terms were selected with these runs: standard errors, p-values and Q2 of this "
+    "table do not know that and are too kind."
+)
 
 #: Terms that enter or leave together are those of the same parameters and powers.
 Group = tuple[tuple[int, int], ...]
@@ -53,8 +58,9 @@ class SelectedPolynomial(TermRegressor):
         """Runs that a fit needs: five, to choose at all."""
         return 5
 
-    def regression_table(self, *, confidence: float = 0.95,
-                         deterministic: bool = False) -> xr.Dataset:
+    def regression_table(
+        self, *, confidence: float = 0.95, deterministic: bool = False
+    ) -> xr.Dataset:
         """Table of the selected terms, with a note on what selection does to it."""
         table = super().regression_table(confidence=confidence, deterministic=deterministic)
         table.attrs["notes"] = "\n".join(filter(None, (SELECTED, table.attrs["notes"])))
@@ -82,14 +88,18 @@ class Stepwise(SelectedPolynomial):
         chosen: frozenset[Group] = frozenset({()})
         best = _criterion(columns, chosen, y)
         while True:
-            scores = {near: _criterion(columns, near, y)
-                      for near in self._neighbours(groups, chosen)}
+            scores = {
+                near: _criterion(columns, near, y) for near in self._neighbours(groups, chosen)
+            }
             least = min(scores.values(), default=np.inf)
             if not least < best - 1e-9 * abs(best):
                 return _terms(groups, chosen)
             # Aliased terms tie but for rounding, which must not choose: the first one does.
-            chosen = next(near for near, score in scores.items()
-                          if score <= least + 1e-9 * max(1.0, abs(least)))
+            chosen = next(
+                near
+                for near, score in scores.items()
+                if score <= least + 1e-9 * max(1.0, abs(least))
+            )
             best = scores[chosen]
 
     def _groups(self) -> dict[Group, list[Term]]:
@@ -104,8 +114,11 @@ class Stepwise(SelectedPolynomial):
 
         With heredity an addition brings its missing main effects along.
         """
-        more = [chosen | {group} | (_parents(group) if self.heredity else set())
-                for group in groups if group not in chosen]
+        more = [
+            chosen | {group} | (_parents(group) if self.heredity else set())
+            for group in groups
+            if group not in chosen
+        ]
         fewer = [chosen - {group} for group in chosen if group]
         return more + [each for each in fewer if not self.heredity or _hereditary(each)]
 
@@ -170,5 +183,3 @@ class Lasso(SelectedPolynomial):
             # The path may stop at terms that the runs cannot tell apart: no more are wanted.
             warnings.simplefilter("ignore", ConvergenceWarning)
             return model.fit(matrix, y).coef_
-
-

@@ -145,11 +145,15 @@ def cells(words: Iterable[str], values: Sequence | None = None) -> list[Cell]:
     """A column of cells, sorted by `values` when given."""
     words = list(words)
     values = [None] * len(words) if values is None else values
-    return [Cell(word, value if isinstance(value, str) or value is None else float(value))
-            for word, value in zip(words, values, strict=True)]
+    return [
+        Cell(word, value if isinstance(value, str) or value is None else float(value))
+        for word, value in zip(words, values, strict=True)
+    ]
 
 
 def anchor(*words: str) -> str:
     """A fragment name made of these words; different names stay different."""
-    return "".join(letter if letter.isalnum() or letter == "_" else f"-{ord(letter)}-"
-                   for letter in "|".join(words)).replace("-124-", "-")
+    return "".join(
+        letter if letter.isalnum() or letter == "_" else f"-{ord(letter)}-"
+        for letter in "|".join(words)
+    ).replace("-124-", "-")

@@ -54,9 +54,11 @@ class Content:
     def outputs(self) -> list[str]:
         """Names of the outputs, in the order of the runs dataset."""
         apart = {*RESERVED_NAMES, *self.space.names}
-        return [str(name) for name, values in self.runs.data_vars.items()
-                if name not in apart and "run" in values.dims
-                and np.issubdtype(values.dtype, np.number)]
+        return [
+            str(name)
+            for name, values in self.runs.data_vars.items()
+            if name not in apart and "run" in values.dims and np.issubdtype(values.dtype, np.number)
+        ]
 
     @property
     def ok(self) -> np.ndarray:
@@ -106,8 +108,11 @@ class Content:
     @property
     def numbers(self) -> np.ndarray:
         """Run numbers as the dataset counts them, shape (run,)."""
-        return np.asarray(self.runs["run"].values if "run" in self.runs.coords
-                          else np.arange(self.runs.sizes["run"]))
+        return np.asarray(
+            self.runs["run"].values
+            if "run" in self.runs.coords
+            else np.arange(self.runs.sizes["run"])
+        )
 
     @property
     def coded(self) -> np.ndarray:
@@ -141,8 +146,9 @@ class Content:
 
     def fits_of(self, output: str) -> dict[str, Fit]:
         """Fits of one output, by surrogate."""
-        return {name: by_output[output] for name, by_output in self.fits.items()
-                if output in by_output}
+        return {
+            name: by_output[output] for name, by_output in self.fits.items() if output in by_output
+        }
 
     def row(self, surrogate: str, output: str) -> dict[str, float]:
         """The comparison's numbers of one surrogate; empty when it has none."""
@@ -152,8 +158,11 @@ class Content:
         if output not in table["output"].values.astype(str):
             return {}
         chosen = table.sel(surrogate=surrogate, output=output)
-        return {str(name): float(value) for name, value in chosen.data_vars.items()
-                if value.ndim == 0 and np.issubdtype(value.dtype, np.number)}
+        return {
+            str(name): float(value)
+            for name, value in chosen.data_vars.items()
+            if value.ndim == 0 and np.issubdtype(value.dtype, np.number)
+        }
 
     def q2(self, surrogate: str, output: str) -> float:
         """Q2 on held-out runs when there are some, otherwise cross-validated; or NaN."""

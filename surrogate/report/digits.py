@@ -90,8 +90,9 @@ def interval(low, high) -> str:
     if not (_finite(low) and _finite(high)):
         return NOTHING
     decimals = _interval_decimals((high - low) / 2.0, fallback=decimals_of([low]))
-    while decimals < 6 and any(end != 0.0 and round(float(end), decimals) == 0.0
-                               for end in (low, high)):
+    while decimals < 6 and any(
+        end != 0.0 and round(float(end), decimals) == 0.0 for end in (low, high)
+    ):
         decimals += 1
     return f"{fixed(low, decimals)} to {fixed(high, decimals)}"
 

@@ -25,7 +25,9 @@ def tag(name: str, *children, **attributes) -> Markup:
     """An element; underscores in attribute names become hyphens, text is escaped."""
     words = "".join(
         f' {key.rstrip("_").replace("_", "-")}="{escape(_short(value))}"'
-        for key, value in attributes.items() if value is not None)
+        for key, value in attributes.items()
+        if value is not None
+    )
     inner = Markup("").join(escape(child) for child in children)
     return Markup(f"<{name}{words}>{inner}</{name}>") if inner else Markup(f"<{name}{words}/>")
 
@@ -44,8 +46,15 @@ def group(*children, **attributes) -> Markup:
 
 def drawing(width: float, height: float, *children, says: str, **attributes) -> Markup:
     """The `<svg>` itself; `says` is its text for those who do not see it."""
-    return tag("svg", *children, viewBox=f"0 0 {width:.0f} {height:.0f}", role="img",
-               aria_label=says, style=f"max-width:{width * 1.15:.0f}px", **attributes)
+    return tag(
+        "svg",
+        *children,
+        viewBox=f"0 0 {width:.0f} {height:.0f}",
+        role="img",
+        aria_label=says,
+        style=f"max-width:{width * 1.15:.0f}px",
+        **attributes,
+    )
 
 
 def text(x: float, y: float, words, class_: str = "", anchor: str | None = None) -> Markup:
@@ -70,7 +79,8 @@ def mark(kind: str, x: float, y: float, size: float = 3.4, **attributes) -> Mark
     if kind in ("filled", "hollow"):
         return tag("circle", cx=x, cy=y, r=size, class_=f"mark {kind}", **attributes)
     corners = {
-        "square": "M{l} {t}H{r}V{b}H{l}Z", "diamond": "M{x} {t}L{r} {y}L{x} {b}L{l} {y}Z",
+        "square": "M{l} {t}H{r}V{b}H{l}Z",
+        "diamond": "M{x} {t}L{r} {y}L{x} {b}L{l} {y}Z",
         "cross": "M{l} {t}L{r} {b}M{l} {b}L{r} {t}",
     }[kind]
     places = {"x": x, "y": y, "l": x - size, "r": x + size, "t": y - size, "b": y + size}
@@ -138,8 +148,18 @@ class Panel:
     y: Scale
 
     @classmethod
-    def within(cls, x_span, y_span, *, left=46.0, right=12.0, top=26.0, bottom=38.0,
-               width=WIDTH, height=300.0) -> Panel:
+    def within(
+        cls,
+        x_span,
+        y_span,
+        *,
+        left=46.0,
+        right=12.0,
+        top=26.0,
+        bottom=38.0,
+        width=WIDTH,
+        height=300.0,
+    ) -> Panel:
         """The panel of a drawing with these margins."""
         return cls(Scale(*x_span, left, width - right), Scale(*y_span, height - bottom, top))
 
@@ -148,24 +168,36 @@ class Panel:
         left, right, floor, top = self.x.start, self.x.end, self.y.start, self.y.end
         marks = [line(left, self.y(v), right, self.y(v), "grid") for v in self.y.ticks(y_count)]
         marks += [line(self.x(v), floor, self.x(v), top, "grid") for v in self.x.ticks(x_count)]
-        marks += [text(left - 5, self.y(v) + 4, words, "tick", "end") for v, words in
-                  zip(self.y.ticks(y_count), self.y.tick_words(y_count), strict=True)]
-        marks += [text(self.x(v), floor + 14, words, "tick", "middle") for v, words in
-                  zip(self.x.ticks(x_count), self.x.tick_words(x_count), strict=True)]
-        return group(*marks, self.baseline(),
-                     text((left + right) / 2, floor + 31, x_label, "label", "middle"),
-                     text(2, top - 11, y_label, "label"), class_="frame")
+        marks += [
+            text(left - 5, self.y(v) + 4, words, "tick", "end")
+            for v, words in zip(self.y.ticks(y_count), self.y.tick_words(y_count), strict=True)
+        ]
+        marks += [
+            text(self.x(v), floor + 14, words, "tick", "middle")
+            for v, words in zip(self.x.ticks(x_count), self.x.tick_words(x_count), strict=True)
+        ]
+        return group(
+            *marks,
+            self.baseline(),
+            text((left + right) / 2, floor + 31, x_label, "label", "middle"),
+            text(2, top - 11, y_label, "label"),
+            class_="frame",
+        )
 
     def baseline(self) -> Markup:
         """The two axis lines."""
-        return path([(self.x.start, self.y.end), (self.x.start, self.y.start),
-                     (self.x.end, self.y.start)], "axis")
+        return path(
+            [(self.x.start, self.y.end), (self.x.start, self.y.start), (self.x.end, self.y.start)],
+            "axis",
+        )
 
 
 def width_of(words: str) -> float:
     """Width of words in the drawings' 11-unit type, in DejaVu Sans: few fonts are wider."""
-    return sum(NARROW if letter in "fijlrt .,:;'|()[]" else WIDE if letter in "mwMW×%" else LETTER
-               for letter in words)
+    return sum(
+        NARROW if letter in "fijlrt .,:;'|()[]" else WIDE if letter in "mwMW×%" else LETTER
+        for letter in words
+    )
 
 
 def shortened(words: str, width: float) -> str:

@@ -46,16 +46,29 @@ def build(content: Content, only: str = "") -> Page:
 
     only: anchor of the one section to show; provenance stands under it.
     """
-    environment = Environment(loader=PackageLoader("surrogate.report", "."), autoescape=True,
-                              undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment = Environment(
+        loader=PackageLoader("surrogate.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
     environment.filters["parted"] = _parted
-    sections = [section for section in _sections(content)
-                if not only or section.anchor in (only, "provenance")]
-    return Page(environment.get_template("page.html").render(
-        name=content.name, sections=sections, style=_part(environment, "style.css"),
-        script=_part(environment, "behaviour.js"),
-        made=content.runs.attrs.get("created", ""),
-        runs=_json(runs.for_pointing(content))))
+    sections = [
+        section
+        for section in _sections(content)
+        if not only or section.anchor in (only, "provenance")
+    ]
+    return Page(
+        environment.get_template("page.html").render(
+            name=content.name,
+            sections=sections,
+            style=_part(environment, "style.css"),
+            script=_part(environment, "behaviour.js"),
+            made=content.runs.attrs.get("created", ""),
+            runs=_json(runs.for_pointing(content)),
+        )
+    )
 
 
 def _sections(content: Content) -> Iterator[Section]:
@@ -64,8 +77,12 @@ def _sections(content: Content) -> Iterator[Section]:
     yield designs.section(content)
     yield runs.section(content)
     for output in content.outputs:
-        blocks = [*accuracy.blocks(content, output), *fields.blocks(content, output),
-                  *effects.blocks(content, output), *indices.blocks(content, output)]
+        blocks = [
+            *accuracy.blocks(content, output),
+            *fields.blocks(content, output),
+            *effects.blocks(content, output),
+            *indices.blocks(content, output),
+        ]
         title = f"Output {digits.labelled(output, content.unit(output))}"
         if blocks:
             yield Section(anchor("output", output), title, tuple(blocks))

@@ -51,8 +51,14 @@ def parity(content: Content, fit: Fit, output: str) -> Parity:
     known = learnt & np.isfinite(left_out).reshape(len(rows), -1).all(axis=1)
     predicted = np.where(known.reshape(-1, *[1] * (predicted.ndim - 1)), left_out, predicted)
     bars = np.full(len(rows), np.nan) if half.ndim > 1 else np.where(learnt, np.nan, half)
-    return Parity(content.numbers[finished], mean_over_points(values), mean_over_points(predicted),
-                  bars, learnt, bool(known[learnt].all()))
+    return Parity(
+        content.numbers[finished],
+        mean_over_points(values),
+        mean_over_points(predicted),
+        bars,
+        learnt,
+        bool(known[learnt].all()),
+    )
 
 
 def predictions(fit: Fit, coded: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -73,8 +79,11 @@ def rows_learnt(fit: Fit, coded: np.ndarray) -> np.ndarray:
 def learnt_only_from(content: Content, design: str) -> list[str]:
     """Surrogates that have seen no run outside this design."""
     points = {_key(point) for point in content.coded[content.words("design") == design]}
-    return [name for name, by_output in content.fits.items()
-            if all(_key(point) in points for fit in by_output.values() for point in fit.coded)]
+    return [
+        name
+        for name, by_output in content.fits.items()
+        if all(_key(point) in points for fit in by_output.values() for point in fit.coded)
+    ]
 
 
 def _key(point) -> tuple:

@@ -28,8 +28,9 @@ from surrogate.solver import Output
 from surrogate.space.space import Space
 
 #: Names that a study's parameters, outputs and outputs' dimensions cannot have.
-RESERVED_NAMES = frozenset({"run", "parameter", "coded", "design", "status", "message",
-                            "seconds", "attempts", "finished"})
+RESERVED_NAMES = frozenset(
+    {"run", "parameter", "coded", "design", "status", "message", "seconds", "attempts", "finished"}
+)
 
 #: Status of a row: has an answer, has none, took too long, was not run yet.
 STATUSES = ("ok", "failed", "timed_out", "missing")
@@ -44,20 +45,35 @@ def name_mistakes(space: Space, outputs: Mapping[str, Output]) -> list[str]:
     """A sentence for each name that a dataset cannot hold, or that would stand for two things."""
     reserved = f"reserved in the runs dataset ({', '.join(sorted(RESERVED_NAMES))}); rename it"
     dims = {dim: name for name, output in outputs.items() for dim in output.dims}
-    mistakes = [f"parameter '{name}': the name is {reserved}"
-                for name in space.names if name in RESERVED_NAMES]
-    mistakes += [f"output '{name}': the name is {reserved}"
-                 for name in outputs if name in RESERVED_NAMES]
-    mistakes += [f"dimension '{dim}' of output '{name}': the name is {reserved}"
-                 for dim, name in dims.items() if dim in RESERVED_NAMES]
-    mistakes += [f"{what} '{name}': a name in the runs dataset cannot hold '/'; rename it"
-                 for what, names in (("output", outputs), ("dimension", dims))
-                 for name in names if "/" in name]
-    mistakes += [f"'{name}' is both a parameter and an output; rename one"
-                 for name in space.names if name in outputs]
-    mistakes += [f"'{dim}' is both a dimension of output '{name}' and a parameter or output; "
-                 "rename one" for dim, name in dims.items()
-                 if dim in space.names or dim in outputs]
+    mistakes = [
+        f"parameter '{name}': the name is {reserved}"
+        for name in space.names
+        if name in RESERVED_NAMES
+    ]
+    mistakes += [
+        f"output '{name}': the name is {reserved}" for name in outputs if name in RESERVED_NAMES
+    ]
+    mistakes += [
+        f"dimension '{dim}' of output '{name}': the name is {reserved}"
+        for dim, name in dims.items()
+        if dim in RESERVED_NAMES
+    ]
+    mistakes += [
+        f"{what} '{name}': a name in the runs dataset cannot hold '/'; rename it"
+        for what, names in (("output", outputs), ("dimension", dims))
+        for name in names
+        if "/" in name
+    ]
+    mistakes += [
+        f"'{name}' is both a parameter and an output; rename one"
+        for name in space.names
+        if name in outputs
+    ]
+    mistakes += [
+        f"'{dim}' is both a dimension of output '{name}' and a parameter or output; rename one"
+        for dim, name in dims.items()
+        if dim in space.names or dim in outputs
+    ]
     return mistakes + _coordinate_mistakes(outputs)
 
 
@@ -68,8 +84,10 @@ def _coordinate_mistakes(outputs: Mapping[str, Output]) -> list[str]:
         for dim in output.dims:
             other = first.setdefault(dim, name)
             if not np.array_equal(output.coordinates[dim], outputs[other].coordinates[dim]):
-                mistakes.append(f"outputs '{other}' and '{name}' have different coordinates along "
-                                f"'{dim}'; give one of the dimensions another name")
+                mistakes.append(
+                    f"outputs '{other}' and '{name}' have different coordinates along "
+                    f"'{dim}'; give one of the dimensions another name"
+                )
     return mistakes
 
 
@@ -78,9 +96,17 @@ def columns(space: Space, designs: Designs) -> dict[str, np.ndarray]:
     return space.decode(np.concatenate([np.atleast_2d(coded) for coded in designs.values()]))
 
 
-def assemble(space: Space, designs: Designs, recipe: Recipe, journal: Contents, *,
-             constants: Mapping[str, Any] | None = None, outputs: Iterable[str] | None = None,
-             study: str = "", seeds: Mapping[str, Any] | None = None) -> xr.Dataset:
+def assemble(
+    space: Space,
+    designs: Designs,
+    recipe: Recipe,
+    journal: Contents,
+    *,
+    constants: Mapping[str, Any] | None = None,
+    outputs: Iterable[str] | None = None,
+    study: str = "",
+    seeds: Mapping[str, Any] | None = None,
+) -> xr.Dataset:
     """The runs dataset of several designs, from what the journal holds.
 
     designs  name -> coded points (run, parameter); a point in two of them is two rows that
@@ -100,13 +126,19 @@ def assemble(space: Space, designs: Designs, recipe: Recipe, journal: Contents, 
     records = [journal.records.get(key) for key in keys(recipe, asked)]
     records = [record if record and record.answers(wanted) else None for record in records]
     return xr.Dataset(
-        {"coded": (("run", "parameter"), np.concatenate([np.atleast_2d(c) for c in
-                                                         designs.values()]),
-                   {"units": "1", "long_name": "coded value, -1 to 1 over the range"}),
-         **_parameters(space, physical), **_outputs(wanted, records, journal),
-         **_history(designs, records)},
+        {
+            "coded": (
+                ("run", "parameter"),
+                np.concatenate([np.atleast_2d(c) for c in designs.values()]),
+                {"units": "1", "long_name": "coded value, -1 to 1 over the range"},
+            ),
+            **_parameters(space, physical),
+            **_outputs(wanted, records, journal),
+            **_history(designs, records),
+        },
         coords={"parameter": list(space.names), **_coordinates(wanted)},
-        attrs=_provenance(recipe, constants, fixed, study, seeds))
+        attrs=_provenance(recipe, constants, fixed, study, seeds),
+    )
 
 
 def _parameters(space: Space, physical: Mapping[str, np.ndarray]) -> dict[str, tuple]:
@@ -119,42 +151,69 @@ def _parameters(space: Space, physical: Mapping[str, np.ndarray]) -> dict[str, t
     return result
 
 
-def _outputs(wanted: Mapping[str, Output], records: list[Record | None],
-             journal: Contents) -> dict[str, tuple]:
+def _outputs(
+    wanted: Mapping[str, Output], records: list[Record | None], journal: Contents
+) -> dict[str, tuple]:
     result = {}
     for name, output in wanted.items():
         values = np.full((len(records), *output.shape), np.nan)
         for i, record in enumerate(records):
             if record and record.status == "ok":
                 values[i] = journal.values(record, name)
-        result[name] = (("run", *output.dims), values,
-                        {"units": output.unit, "long_name": output.description or name})
+        result[name] = (
+            ("run", *output.dims),
+            values,
+            {"units": output.unit, "long_name": output.description or name},
+        )
     return result
 
 
 def _coordinates(wanted: Mapping[str, Output]) -> dict[str, np.ndarray]:
-    return {dim: np.asarray(output.coordinates[dim])
-            for output in wanted.values() for dim in output.dims}
+    return {
+        dim: np.asarray(output.coordinates[dim])
+        for output in wanted.values()
+        for dim in output.dims
+    }
 
 
 def _history(designs: Designs, records: list[Record | None]) -> dict[str, tuple]:
     """What is known of each run besides its numbers."""
     lengths = [len(np.atleast_2d(coded)) for coded in designs.values()]
-    finished = [np.datetime64(round(r.finished * 1e6), "us") if r else np.datetime64("NaT", "us")
-                for r in records]
+    finished = [
+        np.datetime64(round(r.finished * 1e6), "us") if r else np.datetime64("NaT", "us")
+        for r in records
+    ]
     return {
-        "design": ("run", np.repeat(list(designs), lengths),
-                   {"long_name": "design that the run belongs to"}),
-        "status": ("run", np.array([r.status if r else "missing" for r in records], dtype=str),
-                   {"long_name": f"how the run ended: {', '.join(STATUSES)}"}),
-        "message": ("run", np.array([_storable(r.message) if r else "" for r in records],
-                                        dtype=str), {"long_name": "why the run has no answer"}),
-        "seconds": ("run", np.array([r.seconds if r else np.nan for r in records]),
-                    {"units": "s", "long_name": "duration of the last attempt"}),
-        "attempts": ("run", np.array([r.attempts if r else 0 for r in records]),
-                     {"units": "1", "long_name": "attempts made"}),
-        "finished": ("run", np.array(finished, dtype="datetime64[ns]"),
-                     {"long_name": "when the run ended (UTC)"}),
+        "design": (
+            "run",
+            np.repeat(list(designs), lengths),
+            {"long_name": "design that the run belongs to"},
+        ),
+        "status": (
+            "run",
+            np.array([r.status if r else "missing" for r in records], dtype=str),
+            {"long_name": f"how the run ended: {', '.join(STATUSES)}"},
+        ),
+        "message": (
+            "run",
+            np.array([_storable(r.message) if r else "" for r in records], dtype=str),
+            {"long_name": "why the run has no answer"},
+        ),
+        "seconds": (
+            "run",
+            np.array([r.seconds if r else np.nan for r in records]),
+            {"units": "s", "long_name": "duration of the last attempt"},
+        ),
+        "attempts": (
+            "run",
+            np.array([r.attempts if r else 0 for r in records]),
+            {"units": "1", "long_name": "attempts made"},
+        ),
+        "finished": (
+            "run",
+            np.array(finished, dtype="datetime64[ns]"),
+            {"long_name": "when the run ended (UTC)"},
+        ),
     }
 
 
@@ -165,14 +224,26 @@ def _storable(text: str) -> str:
 
 def _provenance(recipe: Recipe, constants, fixed, study: str, seeds) -> dict[str, str]:
     """Who made it, when, with which versions; mappings as JSON text."""
-    return {"study": study, "solver": recipe.name, "solver_version": str(recipe.solver.version),
-            "solver_options": canonical(recipe.options), "constants": canonical(constants or {}),
-            "identity": recipe.context, "fixed_inputs": canonical(fixed),
-            "fixed_units": canonical({name: recipe.solver.inputs[name].unit for name in fixed
-                                      if not recipe.solver.inputs[name].levels}),
-            "seeds": canonical(seeds or {}), "versions": canonical(versions()),
-            "deterministic": str(recipe.deterministic).lower(),
-            "created": datetime.now(UTC).isoformat(timespec="seconds")}
+    return {
+        "study": study,
+        "solver": recipe.name,
+        "solver_version": str(recipe.solver.version),
+        "solver_options": canonical(recipe.options),
+        "constants": canonical(constants or {}),
+        "identity": recipe.context,
+        "fixed_inputs": canonical(fixed),
+        "fixed_units": canonical(
+            {
+                name: recipe.solver.inputs[name].unit
+                for name in fixed
+                if not recipe.solver.inputs[name].levels
+            }
+        ),
+        "seeds": canonical(seeds or {}),
+        "versions": canonical(versions()),
+        "deterministic": str(recipe.deterministic).lower(),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
 
 
 def versions() -> dict[str, str]:
@@ -193,9 +264,12 @@ def save(runs: xr.Dataset | xr.DataTree, path: str | Path, **options: Any) -> No
     write_bytes(path, runs.to_netcdf(engine="h5netcdf", **options))
 
 
-def load(path: str | Path, *, missing: str = "run the study first",
-         damaged: str = "delete it and run the study again: finished runs come back from the "
-                        "journal") -> xr.Dataset:
+def load(
+    path: str | Path,
+    *,
+    missing: str = "run the study first",
+    damaged: str = "delete it and run the study again: finished runs come back from the journal",
+) -> xr.Dataset:
     """The dataset in `path`, read whole.
 
     Raises `ResultsError` with the cure for a file that is `missing`, or `damaged`.
@@ -205,12 +279,14 @@ def load(path: str | Path, *, missing: str = "run the study first",
     try:
         return xr.load_dataset(path, engine="h5netcdf", decode_timedelta=False)
     except Exception as error:  # a damaged file fails in the depths of HDF5 in many ways
-        raise ResultsError(f"{path} cannot be read ({type(error).__name__}: {error}); "
-                           f"{damaged}") from error
+        raise ResultsError(
+            f"{path} cannot be read ({type(error).__name__}: {error}); {damaged}"
+        ) from error
 
 
-def select(runs: xr.Dataset, *, designs: Iterable[str] | None = None,
-           statuses: Iterable[str] | None = None) -> xr.Dataset:
+def select(
+    runs: xr.Dataset, *, designs: Iterable[str] | None = None, statuses: Iterable[str] | None = None
+) -> xr.Dataset:
     """The rows that belong to one of `designs` and ended in one of `statuses` (None: any).
 
     Raises `ResultsError` for a design that the dataset does not have.
@@ -220,16 +296,18 @@ def select(runs: xr.Dataset, *, designs: Iterable[str] | None = None,
         present = set(runs["design"].values.tolist())
         for name in (designs := list(designs)):
             if name not in present:
-                raise ResultsError(f"there are no runs of design '{name}'; "
-                                   f"{nearest(name, present)}")
+                raise ResultsError(
+                    f"there are no runs of design '{name}'; {nearest(name, present)}"
+                )
         keep &= np.isin(runs["design"].values.astype(str), designs)
     if statuses is not None:
         keep &= np.isin(runs["status"].values.astype(str), list(statuses))
     return runs.isel(run=keep)
 
 
-def training(runs: xr.Dataset, output: str,
-             designs: Iterable[str] = ("train",)) -> tuple[np.ndarray, np.ndarray]:
+def training(
+    runs: xr.Dataset, output: str, designs: Iterable[str] = ("train",)
+) -> tuple[np.ndarray, np.ndarray]:
     """Coded points (n, parameter) and values (n, ...) of `output` in the good runs of `designs`.
 
     Runs in which the output has a gap are left out.
@@ -245,8 +323,11 @@ def training(runs: xr.Dataset, output: str,
 
 def output_names(runs: xr.Dataset) -> list[str]:
     """Names of the solver's outputs in a runs dataset."""
-    return [str(name) for name in runs.data_vars if name not in RESERVED_NAMES
-            and name not in runs["parameter"].values]
+    return [
+        str(name)
+        for name in runs.data_vars
+        if name not in RESERVED_NAMES and name not in runs["parameter"].values
+    ]
 
 
 def call_and_answer(runs: xr.Dataset, run: int) -> tuple[Call, dict[str, np.ndarray]]:
@@ -255,8 +336,10 @@ def call_and_answer(runs: xr.Dataset, run: int) -> tuple[Call, dict[str, np.ndar
     `study.recipe.solver(**call)` must give the answer again, to rounding.
     """
     row = runs.isel(run=run)
-    call = {**described(runs, "fixed_inputs"),
-            **{name: row[name].item() for name in runs["parameter"].values.tolist()}}
+    call = {
+        **described(runs, "fixed_inputs"),
+        **{name: row[name].item() for name in runs["parameter"].values.tolist()},
+    }
     return call, {name: row[name].values for name in output_names(runs)}
 
 

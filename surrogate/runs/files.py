@@ -27,8 +27,10 @@ def write_bytes(path: str | Path, content: bytes | memoryview) -> None:
         os.chmod(temporary, 0o666 & ~_mask())  # as a newly made file has; mkstemp's are narrower
         os.replace(temporary, path)
     except OSError as error:
-        raise ResultsError(f"cannot write {path}: {error.strerror or error}; "
-                           "make room or choose another folder, then run again") from error
+        raise ResultsError(
+            f"cannot write {path}: {error.strerror or error}; "
+            "make room or choose another folder, then run again"
+        ) from error
     finally:
         if temporary is not None:
             with suppress(FileNotFoundError):

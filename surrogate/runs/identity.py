@@ -58,8 +58,9 @@ class Recipe:
         others as the mapping `identity_options`.
         """
         options = getattr(self.solver, "identity_options", self.options)
-        return canonical({"solver": self.name, "version": str(self.solver.version),
-                          "options": options})
+        return canonical(
+            {"solver": self.name, "version": str(self.solver.version), "options": options}
+        )
 
     @property
     def plain_options(self) -> dict[str, Any]:
@@ -70,15 +71,19 @@ class Recipe:
         """The outputs called `names`, or all that the solver offers when None."""
         offered = self.solver.outputs
         chosen = list(offered) if names is None else list(names)
-        mistakes = [f"output '{name}' is unknown; {nearest(name, offered)}"
-                    for name in chosen if name not in offered]
+        mistakes = [
+            f"output '{name}' is unknown; {nearest(name, offered)}"
+            for name in chosen
+            if name not in offered
+        ]
         if mistakes:
             raise StudyError(*mistakes)
         return {name: offered[name] for name in chosen}
 
 
-def calls(recipe: Recipe, columns: Mapping[str, Any],
-          constants: Mapping[str, Any] | None = None) -> list[Call]:
+def calls(
+    recipe: Recipe, columns: Mapping[str, Any], constants: Mapping[str, Any] | None = None
+) -> list[Call]:
     """The solver's keyword arguments for each run: nominal values, constants, columns.
 
     columns: physical values, name -> (run,). Raises `StudyError` for an input that the
@@ -86,17 +91,28 @@ def calls(recipe: Recipe, columns: Mapping[str, Any],
     """
     inputs, constants = recipe.solver.inputs, dict(constants or {})
     given = {**constants, **columns}
-    mistakes = [f"{recipe.name} has no input '{name}'; {nearest(name, inputs)}"
-                for name in given if name not in inputs]
-    mistakes += [f"{recipe.name} needs a value for '{name}'; make it a parameter or a constant"
-                 for name, one in inputs.items() if name not in given and one.nominal is None]
+    mistakes = [
+        f"{recipe.name} has no input '{name}'; {nearest(name, inputs)}"
+        for name in given
+        if name not in inputs
+    ]
+    mistakes += [
+        f"{recipe.name} needs a value for '{name}'; make it a parameter or a constant"
+        for name, one in inputs.items()
+        if name not in given and one.nominal is None
+    ]
     if mistakes:
         raise StudyError(*mistakes)
     nominal = {name: one.nominal for name, one in inputs.items() if name not in given}
-    fixed = {name: _value(name, inputs[name], value)
-             for name, value in {**nominal, **constants}.items() if name not in columns}
-    varied = [[_value(name, inputs[name], value) for value in np.atleast_1d(column).tolist()]
-              for name, column in columns.items()]
+    fixed = {
+        name: _value(name, inputs[name], value)
+        for name, value in {**nominal, **constants}.items()
+        if name not in columns
+    }
+    varied = [
+        [_value(name, inputs[name], value) for value in np.atleast_1d(column).tolist()]
+        for name, column in columns.items()
+    ]
     return [{**fixed, **dict(zip(columns, row, strict=True))} for row in zip(*varied, strict=True)]
 
 
@@ -147,5 +163,6 @@ def _plain(value: Any) -> Any:
         return dict(value)
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    raise StudyError(f"{value!r} cannot be written down as an option; use text, numbers, "
-                     "lists or mappings")
+    raise StudyError(
+        f"{value!r} cannot be written down as an option; use text, numbers, lists or mappings"
+    )

@@ -99,8 +99,10 @@ def read(folder: str | Path) -> Contents:
     except FileNotFoundError:
         return Contents({}, folder)
     except OSError as error:
-        raise ResultsError(f"{folder / RECORDS} cannot be read: {error.strerror or error}; it is "
-                           "where finished runs are kept") from error
+        raise ResultsError(
+            f"{folder / RECORDS} cannot be read: {error.strerror or error}; it is "
+            "where finished runs are kept"
+        ) from error
     length = data.rfind(b"\n") + 1
     records, dropped = {}, int(length < len(data))
     with _Fields(folder / FIELDS) as fields:
@@ -140,7 +142,7 @@ class _Fields:
         end = place["offset"] + 8 * int(np.prod(place["shape"], dtype=int))
         if end > len(self.data):
             return False
-        with memoryview(self.data) as view, view[place["offset"]:end] as part:
+        with memoryview(self.data) as view, view[place["offset"] : end] as part:
             return zlib.crc32(part) == place["crc"]
 
 
@@ -195,8 +197,9 @@ class Journal:
         try:
             places = {name: self._write_field(array) for name, array in (fields or {}).items()}
             # JSON has no NaN: a gap is null, which becomes NaN again in the runs dataset.
-            scalars = {name: None if value != value else value
-                       for name, value in record.outputs.items()}
+            scalars = {
+                name: None if value != value else value for name, value in record.outputs.items()
+            }
             whole = {**vars(record), "outputs": scalars, "fields": {**record.fields, **places}}
             self._records.write(json.dumps(whole, allow_nan=False).encode() + b"\n")
         except OSError as error:
@@ -247,7 +250,7 @@ class _Appending:
         start, view = self.end, memoryview(data)
         try:
             while view:
-                view = view[os.write(self.file, view):]
+                view = view[os.write(self.file, view) :]
         except OSError:
             os.ftruncate(self.file, start)
             os.lseek(self.file, start, os.SEEK_SET)
@@ -265,5 +268,7 @@ class _Appending:
 
 
 def _trouble(folder: Path, error: OSError) -> ResultsError:
-    return ResultsError(f"cannot write to {folder}: {error.strerror or error}; the runs finished "
-                        "so far are kept. Make room or choose another folder, then run again")
+    return ResultsError(
+        f"cannot write to {folder}: {error.strerror or error}; the runs finished "
+        "so far are kept. Make room or choose another folder, then run again"
+    )

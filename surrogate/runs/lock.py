@@ -27,8 +27,9 @@ def take_lock(path: Path) -> int:
     """
     name = os.path.realpath(path)
     if name in _HELD:
-        raise ResultsError(f"{path.parent} is in use by this process already; "
-                           "wait until its other study is done")
+        raise ResultsError(
+            f"{path.parent} is in use by this process already; wait until its other study is done"
+        )
     lock = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     try:
         if fcntl:
@@ -38,15 +39,19 @@ def take_lock(path: Path) -> int:
     except (BlockingIOError, PermissionError):
         holder = _holder(path)
         os.close(lock)
-        raise ResultsError(f"{path.parent} is in use by {holder}; "
-                           "wait for it, or stop it, then run again") from None
+        raise ResultsError(
+            f"{path.parent} is in use by {holder}; wait for it, or stop it, then run again"
+        ) from None
     except OSError:
         os.close(lock)
         raise
     with suppress(OSError):  # the lock holds even where the disk has no room for the name
         os.ftruncate(lock, 0)
-        os.write(lock, f"process {os.getpid()} on {socket.gethostname()}, "
-                       f"since {time.strftime('%Y-%m-%d %H:%M:%S')}".encode())
+        os.write(
+            lock,
+            f"process {os.getpid()} on {socket.gethostname()}, "
+            f"since {time.strftime('%Y-%m-%d %H:%M:%S')}".encode(),
+        )
     _HELD.add(name)
     return lock
 

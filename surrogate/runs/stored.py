@@ -60,39 +60,57 @@ class StoredRuns:
         found: dict[str, int] = {}
         status = self.runs["status"].values
         for row, key in enumerate(keys_in(self.context, self.calls, deterministic)):
-            if status[row] != "missing" and (key not in found or (
-                    status[row] == "ok" != status[found[key]])):
+            if status[row] != "missing" and (
+                key not in found or (status[row] == "ok" != status[found[key]])
+            ):
                 found[key] = row
         return found
 
     def record(self, key: str, row: int) -> Record:
         """The run in `row`, as a journal would hold it; arrays are left in the dataset."""
         status, message, seconds, attempts, finished = (
-            self.runs[name].values[row] for name in _NEEDED)
+            self.runs[name].values[row] for name in _NEEDED
+        )
         outputs, fields = {}, {}
         for name in rundata.output_names(self.runs) if status == "ok" else ():
             if self.runs[name].ndim > 1:
                 fields[name] = {"row": row}
             else:
                 outputs[name] = float(self.runs[name].values[row])
-        return Record(key, self.calls[row], str(status), str(message), float(seconds),
-                      int(attempts), finished.astype("datetime64[us]").astype(int) / 1e6,
-                      outputs=outputs, fields=fields)
+        return Record(
+            key,
+            self.calls[row],
+            str(status),
+            str(message),
+            float(seconds),
+            int(attempts),
+            finished.astype("datetime64[us]").astype(int) / 1e6,
+            outputs=outputs,
+            fields=fields,
+        )
 
 
 def load(path: Path, name: str) -> StoredRuns:
     """The runs in `path`; raises `StudyError` when it is missing or no runs dataset."""
     try:
-        runs = rundata.load(path, missing="`surrogate store` writes such a file",
-                            damaged="write it again with `surrogate store`")
+        runs = rundata.load(
+            path,
+            missing="`surrogate store` writes such a file",
+            damaged="write it again with `surrogate store`",
+        )
     except ResultsError as error:
         raise StudyError(f"stored runs '{name}': {error}") from None
-    lacking = [f"the attribute '{word}'" for word in ("identity", "fixed_inputs", "deterministic")
-               if word not in runs.attrs]
+    lacking = [
+        f"the attribute '{word}'"
+        for word in ("identity", "fixed_inputs", "deterministic")
+        if word not in runs.attrs
+    ]
     lacking += [f"the variable '{word}'" for word in ("parameter", *_NEEDED) if word not in runs]
     if lacking:
-        raise StudyError(f"stored runs '{name}': {path} is not a dataset of runs: it lacks "
-                         f"{', '.join(lacking)}; write it with `surrogate store`")
+        raise StudyError(
+            f"stored runs '{name}': {path} is not a dataset of runs: it lacks "
+            f"{', '.join(lacking)}; write it with `surrogate store`"
+        )
     return StoredRuns(name, runs)
 
 
@@ -111,8 +129,13 @@ class Given:
         return file.runs[name].values[row].astype(float)
 
 
-def match(files: Iterable[StoredRuns], recipe: Recipe, calls: Sequence[Call],
-          keys: Sequence[str], wanted: Iterable[str]) -> Given:
+def match(
+    files: Iterable[StoredRuns],
+    recipe: Recipe,
+    calls: Sequence[Call],
+    keys: Sequence[str],
+    wanted: Iterable[str],
+) -> Given:
     """The stored runs that are points of a study, of several the first with an answer.
 
     calls, keys: the study's points. Good runs must have all outputs `wanted`.
@@ -151,8 +174,9 @@ def _rows_of(file: StoredRuns, recipe: Recipe, calls: Mapping[str, Call]) -> dic
 def _split(calls: Sequence[Call], recipe: Recipe) -> tuple[np.ndarray, np.ndarray]:
     """Numbers and level names of the calls, (run, input) each; what is not given is NaN or ''."""
     inputs = recipe.solver.inputs
-    numbers = [[call.get(name, np.nan) for name, one in inputs.items() if not one.levels]
-               for call in calls]
+    numbers = [
+        [call.get(name, np.nan) for name, one in inputs.items() if not one.levels] for call in calls
+    ]
     words = [[call.get(name, "") for name, one in inputs.items() if one.levels] for call in calls]
     return np.array(numbers, dtype=float), np.array(words, dtype=str)
 
@@ -168,8 +192,10 @@ class Known:
     @cached_property
     def records(self) -> dict[str, Record]:
         """Records by key."""
-        return {**self.journal.records,
-                **{key: record for key, record in self.given.records.items() if self._gives(key)}}
+        return {
+            **self.journal.records,
+            **{key: record for key, record in self.given.records.items() if self._gives(key)},
+        }
 
     def _gives(self, key: str) -> bool:
         own = self.journal.records.get(key)
@@ -190,8 +216,9 @@ class Known:
         return counts
 
 
-def first_difference(file: StoredRuns, recipe: Recipe, calls: Sequence[Call],
-                     wanted: Iterable[str]) -> str:
+def first_difference(
+    file: StoredRuns, recipe: Recipe, calls: Sequence[Call], wanted: Iterable[str]
+) -> str:
     """Why no run of the file is a point of the study: what differs first, then -> now."""
     then, now = json.loads(file.context), json.loads(recipe.context)
     for word in ("solver", "version"):
@@ -238,14 +265,21 @@ def write(runs: xr.Dataset, path: str | Path) -> None:
     """
     finished = runs.isel(run=np.flatnonzero(runs["status"].values != "missing"))
     if not finished.sizes["run"]:
-        raise ResultsError("no run is finished, so there is nothing to store; "
-                           "do `surrogate run` first")
-    single = {name: finished[name].astype("float32") for name in rundata.output_names(finished)
-              if _fits_single(finished[name])}
+        raise ResultsError(
+            "no run is finished, so there is nothing to store; do `surrogate run` first"
+        )
+    single = {
+        name: finished[name].astype("float32")
+        for name in rundata.output_names(finished)
+        if _fits_single(finished[name])
+    }
     finished = finished.assign(single)
     finished.attrs.pop("stored", None)
-    encoding = {str(name): {"zlib": True, "complevel": 6, "shuffle": True}
-                for name, variable in finished.variables.items() if variable.dtype.kind in "fiu"}
+    encoding = {
+        str(name): {"zlib": True, "complevel": 6, "shuffle": True}
+        for name, variable in finished.variables.items()
+        if variable.dtype.kind in "fiu"
+    }
     rundata.save(finished, path, encoding=encoding)
 
 

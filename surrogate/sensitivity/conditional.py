@@ -44,8 +44,9 @@ class Pairs:
         shift = R[np.ix_(inside, outside)] @ np.linalg.inv(R[np.ix_(outside, outside)])
         rest = R[np.ix_(inside, inside)] - shift @ R[np.ix_(outside, inside)]
         moved = self.scores.copy()
-        moved[:, inside] = (self.scores[:, outside] @ shift.T
-                            + self.fresh[:, inside] @ np.linalg.cholesky(rest).T)
+        moved[:, inside] = (
+            self.scores[:, outside] @ shift.T + self.fresh[:, inside] @ np.linalg.cholesky(rest).T
+        )
         return self._coded(moved)
 
     def _coded(self, scores: np.ndarray) -> np.ndarray:

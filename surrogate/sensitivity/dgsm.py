@@ -17,9 +17,18 @@ from surrogate.space.space import Space
 STEP = 1e-5
 
 
-def dgsm(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 512,
-         replicates: int = 8, draws: int = 20, q2: float | None = None,
-         q2_needed: float = Q2_NEEDED) -> xr.Dataset:
+def dgsm(
+    fit,
+    space: Space,
+    *,
+    seed=0,
+    confidence: float = 0.95,
+    samples: int = 512,
+    replicates: int = 8,
+    draws: int = 20,
+    q2: float | None = None,
+    q2_needed: float = Q2_NEEDED,
+) -> xr.Dataset:
     """`nu` = E[(df/du)^2] and `total_bound` = nu / (pi^2 Var f) of one output.
 
     u is a parameter's probability, so nu is in the square of the output's unit, over the
@@ -42,10 +51,16 @@ def dgsm(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 
         found = analysis.analyze(cube, u, values, num_resamples=2)
         return {"nu": found["vi"], "total_bound": found["dgsm"]}
 
-    method = Method("dgsm", sample, analyse,
-                    {"nu": (0.0, np.inf), "total_bound": (0.0, np.inf)})
-    return measured(one, method, seed=seed, confidence=confidence, replicates=replicates,
-                    draws=draws, q2_needed=q2_needed)
+    method = Method("dgsm", sample, analyse, {"nu": (0.0, np.inf), "total_bound": (0.0, np.inf)})
+    return measured(
+        one,
+        method,
+        seed=seed,
+        confidence=confidence,
+        replicates=replicates,
+        draws=draws,
+        q2_needed=q2_needed,
+    )
 
 
 dgsm.needs_independent = True
@@ -64,8 +79,10 @@ def _require_derivatives(one: Model) -> None:
     """Refuse levels and steps: there the slope over a step does not settle as it shrinks."""
     for parameter in one.space.parameters:
         if parameter.categorical:
-            raise StudyError(f"sensitivity method dgsm needs derivatives, and {parameter.name} "
-                             "is categorical; use method sobol or shapley")
+            raise StudyError(
+                f"sensitivity method dgsm needs derivatives, and {parameter.name} "
+                "is categorical; use method sobol or shapley"
+            )
     u = next(unit_blocks(one.space.size, 256, 256, np.random.default_rng(0)))
     slopes = []
     for step in (STEP, 100.0 * STEP):
@@ -76,6 +93,8 @@ def _require_derivatives(one: Model) -> None:
         values = np.asarray(values).reshape(*star.shape[:2], -1)
         slopes.append(np.abs(values[:, 1:] - values[:, :1]).sum() / step)
     if not 0.5 * slopes[1] <= slopes[0] <= 2.0 * slopes[1]:
-        raise StudyError(f"surrogate {one.surrogate} has no derivative (its slope over a step does "
-                         "not settle as the step shrinks, as of a forest); use method sobol, or "
-                         "a smooth surrogate")
+        raise StudyError(
+            f"surrogate {one.surrogate} has no derivative (its slope over a step does "
+            "not settle as the step shrinks, as of a forest); use method sobol, or "
+            "a smooth surrogate"
+        )

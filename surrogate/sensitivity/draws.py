@@ -80,8 +80,16 @@ class Measure:
         """first_order, total, second_order of one estimator."""
         if self.closed:
             return closed_form(estimator, self.groups)
-        return ratios(product_moments(estimator.predict, self.space, groups=self.groups,
-                                      samples=SAMPLES, scramblings=1, seed=self.seed)[0])
+        return ratios(
+            product_moments(
+                estimator.predict,
+                self.space,
+                groups=self.groups,
+                samples=SAMPLES,
+                scramblings=1,
+                seed=self.seed,
+            )[0]
+        )
 
     def of_functions(self, functions, pairs: int) -> list[Indices]:
         """The same for each column of functions(coded) (run, count)."""
@@ -131,8 +139,10 @@ def _posterior(one: Model, measure, size: int, seed) -> list[Indices] | None:
         def functions(coded):
             return drawn[0].paths.predict(coded, slice(None))
     elif hasattr(one.estimator, "sample_y"):
+
         def functions(coded):
             return one.estimator.sample_y(coded, size, random_state=one_seed(seed))
+
         pairs = JOINT_SAMPLES
     else:
         return None
@@ -183,8 +193,9 @@ def _pairs(one: Model, size: int, generator) -> Iterator:
                 continue
 
 
-def spread(one: Model, measure, *, draws: int, confidence: float, seed=0,
-           shares: bool = True) -> tuple[Spread, ...]:
+def spread(
+    one: Model, measure, *, draws: int, confidence: float, seed=0, shares: bool = True
+) -> tuple[Spread, ...]:
     """Surrogate part of the interval of each index that `measure.of(estimator)` gives.
 
     measure  has `of` and `of_functions`, as `Measure` has
@@ -196,15 +207,19 @@ def spread(one: Model, measure, *, draws: int, confidence: float, seed=0,
     require_at_least(0, draws=draws)
     fitted = measure.of(one.estimator or one)
     if one.estimator is None:
-        return tuple(Spread(np.zeros_like(part), np.zeros_like(part), "none: a plain function")
-                     for part in fitted)
+        return tuple(
+            Spread(np.zeros_like(part), np.zeros_like(part), "none: a plain function")
+            for part in fitted
+        )
     radii, how = _radii(one, measure, fitted, draws, confidence, seed)
     if not shares:
         return tuple(Spread(radius, radius, how) for radius in radii)
     missed = np.nan if one.q2 is None else np.clip(1.0 - one.q2, 0.0, 1.0)
     how = f"{how}; missed variance {missed:.3g}"
-    return tuple(Spread(np.hypot(radius, missed * part), np.hypot(radius, missed * (1.0 - part)),
-                        how) for part, radius in zip(fitted, radii, strict=True))
+    return tuple(
+        Spread(np.hypot(radius, missed * part), np.hypot(radius, missed * (1.0 - part)), how)
+        for part, radius in zip(fitted, radii, strict=True)
+    )
 
 
 def _radii(one: Model, measure: Measure, fitted: Indices, draws: int, confidence: float, seed):
@@ -218,5 +233,7 @@ def _radii(one: Model, measure: Measure, fitted: Indices, draws: int, confidence
     if len(moves) < max(2, draws // 2):
         how = how if how.startswith("unknown") else f"unknown: {how} failed on these runs"
         return [np.full_like(part, np.nan) for part in fitted], how
-    return [np.quantile(np.abs(np.stack(parts)), confidence, axis=0)
-            for parts in zip(*moves, strict=True)], how
+    return [
+        np.quantile(np.abs(np.stack(parts)), confidence, axis=0)
+        for parts in zip(*moves, strict=True)
+    ], how

@@ -36,26 +36,51 @@ class VarianceKept:
     frozen_error: float
 
 
-def variance_kept(one: Model, frozen: list[int], at: np.ndarray, *, samples: int = 2**14,
-                  scramblings: int = 8, draws: int = 100, confidence: float = 0.95,
-                  seed=0) -> VarianceKept:
+def variance_kept(
+    one: Model,
+    frozen: list[int],
+    at: np.ndarray,
+    *,
+    samples: int = 2**14,
+    scramblings: int = 8,
+    draws: int = 100,
+    confidence: float = 0.95,
+    seed=0,
+) -> VarianceKept:
     """Variance kept when the inputs numbered `frozen` rest at the coded point `at` (d,)."""
     if not frozen:
         return VarianceKept(one.output, 1.0, 1.0, 1.0, 0.0)
-    sampled = pick_freeze(one.predict, one.space, groups=[frozen], samples=samples,
-                          scramblings=scramblings, confidence=confidence, seed=seed)
-    surrogate = spread(one, Measure(one.space, groups=[frozen], seed=seed), draws=draws,
-                       confidence=confidence, seed=seed)[1]
+    sampled = pick_freeze(
+        one.predict,
+        one.space,
+        groups=[frozen],
+        samples=samples,
+        scramblings=scramblings,
+        confidence=confidence,
+        seed=seed,
+    )
+    surrogate = spread(
+        one,
+        Measure(one.space, groups=[frozen], seed=seed),
+        draws=draws,
+        confidence=confidence,
+        seed=seed,
+    )[1]
     total, half = sampled.total[0], sampled.half["total"][0]
     low = 1.0 - (total + np.hypot(half, surrogate.above[0]))
     high = 1.0 - (total - np.hypot(half, surrogate.below[0]))
     ends = np.clip(np.nan_to_num([low, high], nan=[0.0, 1.0]), 0.0, 1.0)
-    return VarianceKept(one.output, float(np.clip(1.0 - total, 0.0, 1.0)), *map(float, ends),
-                        frozen_error(one, frozen, at, samples=samples, seed=seed))
+    return VarianceKept(
+        one.output,
+        float(np.clip(1.0 - total, 0.0, 1.0)),
+        *map(float, ends),
+        frozen_error(one, frozen, at, samples=samples, seed=seed),
+    )
 
 
-def frozen_error(one: Model, frozen: list[int], at: np.ndarray, *, samples: int,
-                 seed=None) -> float:
+def frozen_error(
+    one: Model, frozen: list[int], at: np.ndarray, *, samples: int, seed=None
+) -> float:
     """E (f(x) - f(x with `frozen` inputs at `at`))^2 / Var f, by one scrambled sequence.
 
     0 for a function that varies by rounding only.

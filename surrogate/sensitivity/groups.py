@@ -32,12 +32,20 @@ def mistakes(groups: Named, names: Sequence[str]) -> list[tuple[tuple[str | int,
             found.append(((group,), f"group '{group}' is empty; name its parameters, or drop it"))
         for place, name in enumerate(members):
             if name not in names:
-                found.append(((group, place), f"'{name}' is not a parameter of this study; "
-                                              f"{nearest(name, names)}"))
+                found.append(
+                    (
+                        (group, place),
+                        f"'{name}' is not a parameter of this study; {nearest(name, names)}",
+                    )
+                )
             elif name in home:
                 where = f"group '{home[name]}'" if home[name] != group else "this group"
-                found.append(((group, place), f"'{name}' is already in {where}; a parameter "
-                                              "belongs to one group, once"))
+                found.append(
+                    (
+                        (group, place),
+                        f"'{name}' is already in {where}; a parameter belongs to one group, once",
+                    )
+                )
             else:
                 home[name] = group
     return found

@@ -39,11 +39,21 @@ def model(fit, space: Space, *, q2: float | None = None) -> Model:
     q2 replaces the fit's own figure, for instance by that of a held-out design.
     """
     if hasattr(fit, "estimator"):
-        return Model(fit.predict, space, fit.surrogate, fit.output, _known(q2, fit),
-                     fit.estimator, fit.coded, fit.values)
+        return Model(
+            fit.predict,
+            space,
+            fit.surrogate,
+            fit.output,
+            _known(q2, fit),
+            fit.estimator,
+            fit.coded,
+            fit.values,
+        )
     if not callable(fit):
-        raise StudyError(f"sensitivity analysis takes a fit or a function of coded points, "
-                         f"not {type(fit).__name__}")
+        raise StudyError(
+            f"sensitivity analysis takes a fit or a function of coded points, "
+            f"not {type(fit).__name__}"
+        )
     return Model(fit, space, getattr(fit, "__name__", "function"), q2=q2)
 
 
@@ -70,4 +80,5 @@ def require_independent(space: Space, method: str) -> None:
         raise StudyError(
             f"sensitivity method {method} needs independent parameters, but these are "
             "correlated: first-order and total indices then no longer split the variance (they "
-            "may sum to more than 1). Use method shapley, whose effects always sum to 1")
+            "may sum to more than 1). Use method shapley, whose effects always sum to 1"
+        )

@@ -14,9 +14,19 @@ from surrogate.sensitivity.unit_cube import Method, measured, problem
 from surrogate.space.space import Space
 
 
-def morris(fit, space: Space, *, seed=0, confidence: float = 0.95, trajectories: int = 64,
-           levels: int = 8, replicates: int = 8, draws: int = 20, q2: float | None = None,
-           q2_needed: float = Q2_NEEDED) -> xr.Dataset:
+def morris(
+    fit,
+    space: Space,
+    *,
+    seed=0,
+    confidence: float = 0.95,
+    trajectories: int = 64,
+    levels: int = 8,
+    replicates: int = 8,
+    draws: int = 20,
+    q2: float | None = None,
+    q2_needed: float = Q2_NEEDED,
+) -> xr.Dataset:
     """`mu_star`, `mu`, `sigma` of one output: mean size, mean, spread of elementary effects.
 
     An elementary effect is the change of the output over the change of one parameter's
@@ -26,8 +36,10 @@ def morris(fit, space: Space, *, seed=0, confidence: float = 0.95, trajectories:
     """
     require_at_least(2, trajectories=trajectories, levels=levels)
     if levels % 2:
-        raise StudyError(f"levels: {levels} must be even, so that all levels are equally likely; "
-                         f"take {levels + 1}")
+        raise StudyError(
+            f"levels: {levels} must be even, so that all levels are equally likely; "
+            f"take {levels + 1}"
+        )
     cube = problem(space)
 
     def sample(one_seed: int) -> np.ndarray:
@@ -35,13 +47,23 @@ def morris(fit, space: Space, *, seed=0, confidence: float = 0.95, trajectories:
 
     def analyse(u: np.ndarray, values: np.ndarray, one_seed: int) -> dict[str, np.ndarray]:
         # Intervals come from replicates, so SALib's bootstrap is kept as short as it goes.
-        return analysis.analyze(cube, u, values, num_resamples=2, num_levels=levels,
-                                seed=one_seed)
+        return analysis.analyze(cube, u, values, num_resamples=2, num_levels=levels, seed=one_seed)
 
-    method = Method("morris", sample, analyse,
-                    {"mu_star": (0.0, np.inf), "mu": (-np.inf, np.inf), "sigma": (0.0, np.inf)})
-    return measured(model(fit, space, q2=q2), method, seed=seed, confidence=confidence,
-                    replicates=replicates, draws=draws, q2_needed=q2_needed)
+    method = Method(
+        "morris",
+        sample,
+        analyse,
+        {"mu_star": (0.0, np.inf), "mu": (-np.inf, np.inf), "sigma": (0.0, np.inf)},
+    )
+    return measured(
+        model(fit, space, q2=q2),
+        method,
+        seed=seed,
+        confidence=confidence,
+        replicates=replicates,
+        draws=draws,
+        q2_needed=q2_needed,
+    )
 
 
 morris.needs_independent = True

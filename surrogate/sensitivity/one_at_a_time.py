@@ -27,9 +27,17 @@ THRESHOLD = 0.93
 UNBOUNDED_END = 0.95
 
 
-def one_at_a_time(fit, space: Space, *, seed=0, confidence: float = 0.95,
-                  base: Mapping | None = None, threshold: float = THRESHOLD,
-                  q2: float | None = None, q2_needed: float = Q2_NEEDED) -> xr.Dataset:
+def one_at_a_time(
+    fit,
+    space: Space,
+    *,
+    seed=0,
+    confidence: float = 0.95,
+    base: Mapping | None = None,
+    threshold: float = THRESHOLD,
+    q2: float | None = None,
+    q2_needed: float = Q2_NEEDED,
+) -> xr.Dataset:
     """Effects of a fit (or function of coded points) when one parameter moves at a time.
 
     base       name -> physical value at which the others rest; default: coded 0, or the
@@ -42,15 +50,23 @@ def one_at_a_time(fit, space: Space, *, seed=0, confidence: float = 0.95,
     """
     one = model(fit, space, q2=q2)
     rest = base_point(space, base)
-    effects = [_effect(one.predict, parameter, j, rest)
-               for j, parameter in enumerate(space.parameters)]
-    return dataset(one, _columns(np.array(effects), threshold), method="one_at_a_time",
-                   confidence=confidence, q2_needed=q2_needed, threshold=threshold,
-                   moved=f"ends of the ranges, others at {describe(space, rest)}")
+    effects = [
+        _effect(one.predict, parameter, j, rest) for j, parameter in enumerate(space.parameters)
+    ]
+    return dataset(
+        one,
+        _columns(np.array(effects), threshold),
+        method="one_at_a_time",
+        confidence=confidence,
+        q2_needed=q2_needed,
+        threshold=threshold,
+        moved=f"ends of the ranges, others at {describe(space, rest)}",
+    )
 
 
-def main_effects(space: Space, coded, values, *, output: str = "y",
-                 threshold: float = THRESHOLD) -> xr.Dataset:
+def main_effects(
+    space: Space, coded, values, *, output: str = "y", threshold: float = THRESHOLD
+) -> xr.Dataset:
     """The same table from the runs alone: main effects 2 b_j of a least squares plane.
 
     coded (n, d), values (n,). For a two-level design this is the difference of the means at
@@ -59,13 +75,21 @@ def main_effects(space: Space, coded, values, *, output: str = "y",
     coded, values = np.asarray(coded, dtype=float), np.asarray(values, dtype=float)
     plane = np.column_stack([np.ones(len(coded)), coded])
     if np.linalg.matrix_rank(plane) < plane.shape[1]:
-        raise StudyError(f"{len(coded)} runs do not determine the effects of {space.size} "
-                         "parameters; add runs or take the effects of a surrogate")
+        raise StudyError(
+            f"{len(coded)} runs do not determine the effects of {space.size} "
+            "parameters; add runs or take the effects of a surrogate"
+        )
     effects = 2.0 * np.linalg.lstsq(plane, values, rcond=None)[0][1:]
-    return xr.Dataset(_columns(effects, threshold),
-                      coords={"output": [output], "parameter": list(space.names)},
-                      attrs={"method": "main_effects", "surrogate": "runs",
-                             "threshold": threshold, "moved": "least squares plane of the runs"})
+    return xr.Dataset(
+        _columns(effects, threshold),
+        coords={"output": [output], "parameter": list(space.names)},
+        attrs={
+            "method": "main_effects",
+            "surrogate": "runs",
+            "threshold": threshold,
+            "moved": "least squares plane of the runs",
+        },
+    )
 
 
 def base_point(space: Space, base: Mapping | None = None) -> np.ndarray:
@@ -105,8 +129,10 @@ def _columns(effects: np.ndarray, threshold: float) -> dict:
     """Variables of the table: effect, both shares, and what the rule keeps by either."""
     shares = {"share": _shares(np.abs(effects)), "share_squared": _shares(effects**2)}
     kept = {f"kept_by_{name}": kept_by_rule(share, threshold) for name, share in shares.items()}
-    return {name: (("output", "parameter"), column[None])
-            for name, column in {"effect": effects, **shares, **kept}.items()}
+    return {
+        name: (("output", "parameter"), column[None])
+        for name, column in {"effect": effects, **shares, **kept}.items()
+    }
 
 
 def _shares(sizes: np.ndarray) -> np.ndarray:

@@ -13,9 +13,19 @@ from surrogate.sensitivity.unit_cube import Method, measured, problem
 from surrogate.space.space import Space
 
 
-def pawn(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 2**12,
-         slices: int = 16, replicates: int = 8, draws: int = 20, q2: float | None = None,
-         q2_needed: float = Q2_NEEDED) -> xr.Dataset:
+def pawn(
+    fit,
+    space: Space,
+    *,
+    seed=0,
+    confidence: float = 0.95,
+    samples: int = 2**12,
+    slices: int = 16,
+    replicates: int = 8,
+    draws: int = 20,
+    q2: float | None = None,
+    q2_needed: float = Q2_NEEDED,
+) -> xr.Dataset:
     """`median`, `mean` and `maximum` over slices of a parameter's range, for one output.
 
     In each slice the Kolmogorov-Smirnov distance between the output's distribution there and
@@ -33,11 +43,19 @@ def pawn(fit, space: Space, *, seed=0, confidence: float = 0.95, samples: int = 
     def analyse(u: np.ndarray, values: np.ndarray, one_seed: int) -> dict[str, np.ndarray]:
         return analysis.analyze(cube, u, values, S=slices)
 
-    method = Method("pawn", sample, analyse,
-                    {name: (0.0, 1.0) for name in ("median", "mean", "maximum")})
-    return measured(model(fit, space, q2=q2), method, seed=seed, confidence=confidence,
-                    replicates=replicates, draws=draws, q2_needed=q2_needed,
-                    slices=slices)
+    method = Method(
+        "pawn", sample, analyse, {name: (0.0, 1.0) for name in ("median", "mean", "maximum")}
+    )
+    return measured(
+        model(fit, space, q2=q2),
+        method,
+        seed=seed,
+        confidence=confidence,
+        replicates=replicates,
+        draws=draws,
+        q2_needed=q2_needed,
+        slices=slices,
+    )
 
 
 pawn.needs_independent = True

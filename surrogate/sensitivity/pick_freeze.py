@@ -63,9 +63,16 @@ class Sampled:
     evaluations: int
 
 
-def pick_freeze(predict: Predict, space: Space, *, groups: Groups | None = None,
-                samples: int = 2**14, scramblings: int = 8, confidence: float = 0.95,
-                seed=0) -> Sampled:
+def pick_freeze(
+    predict: Predict,
+    space: Space,
+    *,
+    groups: Groups | None = None,
+    samples: int = 2**14,
+    scramblings: int = 8,
+    confidence: float = 0.95,
+    seed=0,
+) -> Sampled:
     """Sobol' indices of `predict` over the independent inputs of `space`.
 
     predict      coded points (run, parameter) -> values (run,) or (run, ...); the indices
@@ -79,8 +86,9 @@ def pick_freeze(predict: Predict, space: Space, *, groups: Groups | None = None,
     """
     require_at_least(4, scramblings=scramblings)
     require_at_least(8, samples=samples)
-    moments = product_moments(predict, space, groups=groups, samples=samples,
-                              scramblings=scramblings, seed=seed)
+    moments = product_moments(
+        predict, space, groups=groups, samples=samples, scramblings=scramblings, seed=seed
+    )
     values, errors = jackknife(ratios, moments)
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, scramblings - 1)
     names = ("first_order", "total", "second_order")
@@ -94,8 +102,15 @@ def per_scrambling(samples: int, scramblings: int) -> int:
     return 2 ** max(3, int(np.ceil(np.log2(samples / scramblings))))
 
 
-def product_moments(predict: Predict, space: Space, *, groups: Groups | None = None,
-                    samples: int, scramblings: int, seed=None) -> np.ndarray:
+def product_moments(
+    predict: Predict,
+    space: Space,
+    *,
+    groups: Groups | None = None,
+    samples: int,
+    scramblings: int,
+    seed=None,
+) -> np.ndarray:
     """Means of products f(X) f(X') over the points, shape (scramblings, k, k).
 
     The k = 2 d + 2 columns, for d groups, are A, B, A_1 .. A_d, B_1 .. B_d, less a rough
@@ -130,7 +145,7 @@ def mixed_points(space: Space, groups: Groups | None, runs: int, seed) -> list[n
     """The k = 2 d + 2 sets of coded points (runs, parameter), for `runs` a power of two."""
     groups = [[i] for i in range(space.size)] if groups is None else groups
     u = next(unit_blocks(2 * space.size, runs, runs, np.random.default_rng(seed)))
-    A, B = space.quantile(u[:, :space.size]), space.quantile(u[:, space.size:])
+    A, B = space.quantile(u[:, : space.size]), space.quantile(u[:, space.size :])
     return list(_mixtures(A, B, groups))
 
 
@@ -185,6 +200,8 @@ def jackknife(statistic, replicates: np.ndarray) -> tuple[tuple, tuple]:
     R = len(replicates)
     mean = replicates.mean(axis=0)
     left_out = [statistic((R * mean - replicate) / (R - 1)) for replicate in replicates]
-    errors = tuple(np.sqrt((R - 1.0) * np.var(np.stack(parts), axis=0))
-                   for parts in zip(*left_out, strict=True))
+    errors = tuple(
+        np.sqrt((R - 1.0) * np.var(np.stack(parts), axis=0))
+        for parts in zip(*left_out, strict=True)
+    )
     return statistic(mean), errors

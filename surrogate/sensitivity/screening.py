@@ -78,25 +78,41 @@ class Screening:
     @property
     def sentences(self) -> tuple[str, ...]:
         """The decision in words: one sentence or two for each parameter, then the old rule's."""
-        old = (f"One parameter moved at a time, the rule of {self.threshold:.0%} keeps "
-               f"{', '.join(self.kept_by_old_rule) or 'nothing'}.")
+        old = (
+            f"One parameter moved at a time, the rule of {self.threshold:.0%} keeps "
+            f"{', '.join(self.kept_by_old_rule) or 'nothing'}."
+        )
         return (*filter(None, [self.refused]), *(v.sentence for v in self.verdicts), old)
 
     def summary(self) -> dict[str, Any]:
         """The same as plain numbers and words, for `summary.json`; unknown numbers are None."""
-        return {"keep": list(self.keep), "freeze": list(self.freeze),
-                "frozen_values": self.frozen_values,
-                "variance_kept": {kept.output: asdict(kept) for kept in self.variance_kept},
-                "freeze_below": self.freeze_below, "confidence": self.confidence,
-                "refused": self.refused, "kept_by_old_rule": list(self.kept_by_old_rule),
-                "old_rule_threshold": self.threshold,
-                "verdicts": [_known(asdict(verdict)) for verdict in self.verdicts]}
+        return {
+            "keep": list(self.keep),
+            "freeze": list(self.freeze),
+            "frozen_values": self.frozen_values,
+            "variance_kept": {kept.output: asdict(kept) for kept in self.variance_kept},
+            "freeze_below": self.freeze_below,
+            "confidence": self.confidence,
+            "refused": self.refused,
+            "kept_by_old_rule": list(self.kept_by_old_rule),
+            "old_rule_threshold": self.threshold,
+            "verdicts": [_known(asdict(verdict)) for verdict in self.verdicts],
+        }
 
 
-def decide(indices: xr.Dataset, freeze_below: float, *, fits: Mapping[str, Any], space: Space,
-           outputs: Sequence[str] | None = None, nominal: Mapping[str, Any] | None = None,
-           threshold: float = 0.93, samples: int = 2**14, draws: int = 100,
-           seed=0) -> Screening:
+def decide(
+    indices: xr.Dataset,
+    freeze_below: float,
+    *,
+    fits: Mapping[str, Any],
+    space: Space,
+    outputs: Sequence[str] | None = None,
+    nominal: Mapping[str, Any] | None = None,
+    threshold: float = 0.93,
+    samples: int = 2**14,
+    draws: int = 100,
+    seed=0,
+) -> Screening:
     """Freeze each parameter whose total index is surely below `freeze_below`.
 
     indices    dataset of method sobol; "surely" means the upper end of the interval of the
@@ -113,26 +129,40 @@ def decide(indices: xr.Dataset, freeze_below: float, *, fits: Mapping[str, Any],
     chosen = indices.sel(output=list(outputs))
     at = base_point(space, nominal)
     refused = " ".join(dict.fromkeys(s for s in chosen["refused"].values.tolist() if s))
-    old = [one_at_a_time(fits[name], space, base=nominal, threshold=threshold)
-           for name in outputs]
-    evidence = chosen.assign(one_at_a_time=_over_outputs(old, "share"),
-                             kept_by_old_rule=_over_outputs(old, "kept_by_share"))
-    verdicts = tuple(_verdict(evidence.isel(parameter=j), space, at, freeze_below, refused)
-                     for j in range(space.size))
+    old = [one_at_a_time(fits[name], space, base=nominal, threshold=threshold) for name in outputs]
+    evidence = chosen.assign(
+        one_at_a_time=_over_outputs(old, "share"),
+        kept_by_old_rule=_over_outputs(old, "kept_by_share"),
+    )
+    verdicts = tuple(
+        _verdict(evidence.isel(parameter=j), space, at, freeze_below, refused)
+        for j in range(space.size)
+    )
     frozen = [j for j, verdict in enumerate(verdicts) if verdict.frozen]
-    kept = tuple(variance_kept(_model(fits[name], space, chosen, name), frozen, at,
-                               samples=samples, draws=draws,
-                               confidence=indices.attrs["confidence"], seed=seed)
-                 for name in outputs)
-    return Screening(freeze_below, indices.attrs["confidence"], outputs, verdicts, kept,
-                     threshold, refused)
+    kept = tuple(
+        variance_kept(
+            _model(fits[name], space, chosen, name),
+            frozen,
+            at,
+            samples=samples,
+            draws=draws,
+            confidence=indices.attrs["confidence"],
+            seed=seed,
+        )
+        for name in outputs
+    )
+    return Screening(
+        freeze_below, indices.attrs["confidence"], outputs, verdicts, kept, threshold, refused
+    )
 
 
 def _concerned(indices: xr.Dataset, fits, outputs) -> tuple[str, ...]:
     """Names of the outputs concerned, all of which have total indices and a fit."""
     if "total_high" not in indices:
-        raise StudyError(f"screening needs total indices, which method "
-                         f"{indices.attrs.get('method')} does not give; use method sobol")
+        raise StudyError(
+            f"screening needs total indices, which method "
+            f"{indices.attrs.get('method')} does not give; use method sobol"
+        )
     there = [str(name) for name in indices["output"].values]
     outputs = tuple(there if outputs is None else outputs)
     for name in outputs:
@@ -151,44 +181,59 @@ def _model(fit, space: Space, chosen: xr.Dataset, output: str) -> Model:
     return model(fit, space, q2=None if np.isnan(q2) else q2)
 
 
-def _verdict(evidence: xr.Dataset, space: Space, at: np.ndarray, freeze_below: float,
-             refused: str) -> Verdict:
+def _verdict(
+    evidence: xr.Dataset, space: Space, at: np.ndarray, freeze_below: float, refused: str
+) -> Verdict:
     """Decide on one parameter; evidence has dimension output."""
     name = str(evidence["parameter"].item())
     high = evidence["total_high"]
     worst = str(high["output"].values[np.argmax(high.values)])
     frozen = not refused and bool((high < freeze_below).all())
     j = space.names.index(name)
-    sentence = _sentence(evidence.sel(output=worst), quantity(space[name], at[j]), freeze_below,
-                         frozen, refused)
+    sentence = _sentence(
+        evidence.sel(output=worst), quantity(space[name], at[j]), freeze_below, frozen, refused
+    )
     return Verdict(
-        parameter=name, frozen=frozen, total=float(evidence["total"].max()),
-        high=float(high.max()), worst_case=float(evidence["total_worst"].max(skipna=False)),
+        parameter=name,
+        frozen=frozen,
+        total=float(evidence["total"].max()),
+        high=float(high.max()),
+        worst_case=float(evidence["total_worst"].max(skipna=False)),
         one_at_a_time=float(evidence["one_at_a_time"].max()),
         kept_by_old_rule=bool(evidence["kept_by_old_rule"].any()),
-        value=space[name].decode(at[j]).item() if frozen else None, sentence=sentence)
+        value=space[name].decode(at[j]).item() if frozen else None,
+        sentence=sentence,
+    )
 
 
-def _sentence(row: xr.Dataset, value: str, freeze_below: float, frozen: bool,
-              refused: str) -> str:
+def _sentence(row: xr.Dataset, value: str, freeze_below: float, frozen: bool, refused: str) -> str:
     """The decision on one parameter and its reason, from the output where it matters most."""
     name, output = row["parameter"].item(), row["output"].item()
     total, low, high = (float(row[key]) for key in ("total", "total_low", "total_high"))
     if refused:
         return f"{name}: keep, because its indices are not to be relied on."
     if frozen:
-        return (f"{name}: freeze at {value}. Its total index is at most {high:.2g} ({output}), "
-                f"below {freeze_below:g}.")
+        return (
+            f"{name}: freeze at {value}. Its total index is at most {high:.2g} ({output}), "
+            f"below {freeze_below:g}."
+        )
     if low >= freeze_below:
         return f"{name}: keep. Its total index is {total:.2g} and at least {low:.2g} ({output})."
     missed = 1.0 - float(row["q2"])
-    cause = (f"the surrogate misses {missed:.1%} of the variance; a better one could settle it"
-             if missed > 0.5 * freeze_below else "more samples or runs could settle it")
-    return (f"{name}: keep, not settled. Its total index is {total:.2g} but may be {high:.2g} "
-            f"({output}), not surely below {freeze_below:g}: {cause}.")
+    cause = (
+        f"the surrogate misses {missed:.1%} of the variance; a better one could settle it"
+        if missed > 0.5 * freeze_below
+        else "more samples or runs could settle it"
+    )
+    return (
+        f"{name}: keep, not settled. Its total index is {total:.2g} but may be {high:.2g} "
+        f"({output}), not surely below {freeze_below:g}: {cause}."
+    )
 
 
 def _known(values: dict[str, Any]) -> dict[str, Any]:
     """Numbers that are not known as None, for JSON."""
-    return {key: None if isinstance(value, float) and np.isnan(value) else value
-            for key, value in values.items()}
+    return {
+        key: None if isinstance(value, float) and np.isnan(value) else value
+        for key, value in values.items()
+    }

@@ -44,9 +44,19 @@ NAMES = ("shapley", "closed_first_order", "independent_total", "group_shapley")
 Subset = tuple[int, ...]
 
 
-def shapley(fit, space: Space, *, groups: Named | None = None, seed=0, confidence: float = 0.95,
-            samples: int = 2**12, scramblings: int = 8, draws: int = 50,
-            q2: float | None = None, q2_needed: float = Q2_NEEDED) -> xr.Dataset:
+def shapley(
+    fit,
+    space: Space,
+    *,
+    groups: Named | None = None,
+    seed=0,
+    confidence: float = 0.95,
+    samples: int = 2**12,
+    scramblings: int = 8,
+    draws: int = 50,
+    q2: float | None = None,
+    q2_needed: float = Q2_NEEDED,
+) -> xr.Dataset:
     """Shapley effects of one output, for independent and for dependent parameters.
 
     Arguments as for `sobol`. Effects sum to 1, so a group's is the sum of its parameters':
@@ -70,13 +80,20 @@ def shapley(fit, space: Space, *, groups: Named | None = None, seed=0, confidenc
         values, half = _sampled(one, measure, samples, scramblings, confidence)
     spreads = spread(one, measure, draws=draws, confidence=confidence, seed=seed)
     variables = {}
-    for name, value, width, part in zip(NAMES[:len(values)], values, half, spreads, strict=True):
+    for name, value, width, part in zip(NAMES[: len(values)], values, half, spreads, strict=True):
         estimate = Estimate(value, width, part.below, part.above)
         dims = ("group",) if name.startswith("group") else ("parameter",)
         variables |= estimate.columns(name, dims, (0.0, 1.0))
-    return dataset(one, variables, method="shapley", confidence=confidence, q2_needed=q2_needed,
-                   groups=groups, computed="closed form" if exact else "sampling",
-                   surrogate_part=spreads[0].how)
+    return dataset(
+        one,
+        variables,
+        method="shapley",
+        confidence=confidence,
+        q2_needed=q2_needed,
+        groups=groups,
+        computed="closed form" if exact else "sampling",
+        surrogate_part=spreads[0].how,
+    )
 
 
 @dataclass(frozen=True)
@@ -105,8 +122,9 @@ class Measure:
 
     def of_functions(self, functions, pairs: int) -> list[tuple[np.ndarray, ...]]:
         """The same for each column of functions(coded) (run, count)."""
-        return [self.effects(parts)
-                for parts in np.moveaxis(self._increases(functions, pairs), -1, 0)]
+        return [
+            self.effects(parts) for parts in np.moveaxis(self._increases(functions, pairs), -1, 0)
+        ]
 
     def _increases(self, predict, runs: int = SAMPLES) -> np.ndarray:
         generator = np.random.default_rng(self.seed)
@@ -164,8 +182,9 @@ def effects(parts: np.ndarray) -> tuple[np.ndarray, ...]:
     return tuple(parts / variance if variance > 0.0 else np.zeros_like(parts))
 
 
-def increases(predict, space: Space, blocks: Iterable[np.ndarray], runs: int,
-              generator) -> np.ndarray:
+def increases(
+    predict, space: Space, blocks: Iterable[np.ndarray], runs: int, generator
+) -> np.ndarray:
     """Unscaled effects (3, d, component) over the points of `blocks`, `runs` in all.
 
     Zero for a component that varies by rounding only.
@@ -183,8 +202,14 @@ def increases(predict, space: Space, blocks: Iterable[np.ndarray], runs: int,
     everything = tuple(range(d))
     varies = costs[everything] > ROUNDING * size
     average = sum(weight[:, None] * costs[subset] for subset, weight in weights.items())
-    alone = np.stack([costs[everything] - costs[everything[:i] + everything[i + 1:]]
-                      if d > 1 else costs[everything] for i in range(d)])
+    alone = np.stack(
+        [
+            costs[everything] - costs[everything[:i] + everything[i + 1 :]]
+            if d > 1
+            else costs[everything]
+            for i in range(d)
+        ]
+    )
     last = np.stack([costs[(i,)] for i in range(d)])
     return np.stack([average, alone, last]) * varies
 
@@ -196,8 +221,11 @@ def _weights(d: int, generator) -> dict[Subset, np.ndarray]:
     the others. Random orders: the same from the orders drawn.
     """
     if d <= ALL_SUBSETS:
-        return {subset: _weight(subset, d) for size in range(1, d + 1)
-                for subset in combinations(range(d), size)}
+        return {
+            subset: _weight(subset, d)
+            for size in range(1, d + 1)
+            for subset in combinations(range(d), size)
+        }
     needed = [(i,) for i in range(d)] + [tuple(j for j in range(d) if j != i) for i in range(d)]
     weights = {subset: np.zeros(d) for subset in [*needed, tuple(range(d))]}
     for order in [generator.permutation(d) for _ in range(ORDERS)]:

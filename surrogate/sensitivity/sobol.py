@@ -17,9 +17,20 @@ INDICES = ("first_order", "total", "second_order")
 SHARE = (0.0, 1.0)
 
 
-def sobol(fit, space: Space, *, groups: Named | None = None, seed=0, confidence: float = 0.95,
-          samples: int = 2**14, scramblings: int = 8, draws: int = 100, exact: bool = True,
-          q2: float | None = None, q2_needed: float = Q2_NEEDED) -> xr.Dataset:
+def sobol(
+    fit,
+    space: Space,
+    *,
+    groups: Named | None = None,
+    seed=0,
+    confidence: float = 0.95,
+    samples: int = 2**14,
+    scramblings: int = 8,
+    draws: int = 100,
+    exact: bool = True,
+    q2: float | None = None,
+    q2_needed: float = Q2_NEEDED,
+) -> xr.Dataset:
     """First-order, total and second-order Sobol' indices of one output.
 
     fit          a `Fit`, or a function of coded points (then there is no surrogate part)
@@ -46,20 +57,27 @@ def sobol(fit, space: Space, *, groups: Named | None = None, seed=0, confidence:
         measures.append(Measure(space, grouped, exact and knows_groups(one.estimator), seed))
     values, half = [], []
     for measure in measures:
-        found = _closed(one, measure) if measure.closed else \
-            _sampled(one, measure, confidence, options)
+        found = (
+            _closed(one, measure) if measure.closed else _sampled(one, measure, confidence, options)
+        )
         values += found[0]
         half += found[1]
     spreads = spread(one, Together(tuple(measures)), draws=draws, confidence=confidence, seed=seed)
     variables = {}
-    for (name, dims), value, width, part in zip(_named(values), values, half, spreads,
-                                                strict=True):
+    for (name, dims), value, width, part in zip(_named(values), values, half, spreads, strict=True):
         estimate = Estimate(value, width, part.below, part.above)
         variables |= estimate.columns(name, dims, SHARE) if dims else {}
     variables["total_worst"] = (("output", "parameter"), [worst_case(values[1], one.q2)])
-    return dataset(one, variables, method="sobol", confidence=confidence, q2_needed=q2_needed,
-                   groups=groups, computed="closed form" if exact else "sampling",
-                   surrogate_part=spreads[0].how)
+    return dataset(
+        one,
+        variables,
+        method="sobol",
+        confidence=confidence,
+        q2_needed=q2_needed,
+        groups=groups,
+        computed="closed form" if exact else "sampling",
+        surrogate_part=spreads[0].how,
+    )
 
 
 sobol.needs_independent = True
@@ -67,10 +85,15 @@ sobol.needs_independent = True
 
 def _named(values: list) -> list[tuple[str, tuple[str, ...]]]:
     """Name and dimensions of each index; no dimensions for what is not reported."""
-    named = [("first_order", ("parameter",)), ("total", ("parameter",)),
-             ("second_order", ("parameter", "parameter_2")),
-             ("group_first_order", ("group",)), ("group_total", ("group",)), ("", ())]
-    return named[:len(values)]
+    named = [
+        ("first_order", ("parameter",)),
+        ("total", ("parameter",)),
+        ("second_order", ("parameter", "parameter_2")),
+        ("group_first_order", ("group",)),
+        ("group_total", ("group",)),
+        ("", ()),
+    ]
+    return named[: len(values)]
 
 
 def _closed(one: Model, measure: Measure) -> tuple[tuple, tuple]:
@@ -80,8 +103,9 @@ def _closed(one: Model, measure: Measure) -> tuple[tuple, tuple]:
 
 
 def _sampled(one: Model, measure: Measure, confidence: float, options: dict) -> tuple[tuple, tuple]:
-    sampled = pick_freeze(one.predict, one.space, groups=measure.groups, confidence=confidence,
-                          **options)
+    sampled = pick_freeze(
+        one.predict, one.space, groups=measure.groups, confidence=confidence, **options
+    )
     values = tuple(getattr(sampled, name) for name in INDICES)
     return values, tuple(sampled.half[name] for name in INDICES)
 

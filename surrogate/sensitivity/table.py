@@ -39,17 +39,27 @@ class Estimate:
         low = np.nan_to_num(self.value - np.hypot(self.sampling, self.below), nan=ends[0])
         high = np.nan_to_num(self.value + np.hypot(self.sampling, self.above), nan=ends[1])
         undefined = np.isnan(self.value)
-        parts = {"": self.value, "_low": np.where(undefined, np.nan, low),
-                 "_high": np.where(undefined, np.nan, high)}
+        parts = {
+            "": self.value,
+            "_low": np.where(undefined, np.nan, low),
+            "_high": np.where(undefined, np.nan, high),
+        }
         columns = {name + key: np.clip(part, *ends) for key, part in parts.items()}
         columns[f"{name}_sampling"] = self.sampling
         columns[f"{name}_surrogate"] = 0.5 * (self.below + self.above)
         return {key: (("output", *dims), column[None]) for key, column in columns.items()}
 
 
-def dataset(model: Model, variables: Mapping, *, method: str, confidence: float,
-            q2_needed: float = Q2_NEEDED, groups: Named | None = None,
-            **attributes) -> xr.Dataset:
+def dataset(
+    model: Model,
+    variables: Mapping,
+    *,
+    method: str,
+    confidence: float,
+    q2_needed: float = Q2_NEEDED,
+    groups: Named | None = None,
+    **attributes,
+) -> xr.Dataset:
     """The dataset of one output: dimensions output, parameter (and parameter_2, group).
 
     The coordinate `members` tells what belongs to each group. Attributes: surrogate, method,
@@ -64,12 +74,22 @@ def dataset(model: Model, variables: Mapping, *, method: str, confidence: float,
         coordinates["group"] = list(groups)
         coordinates["members"] = ("group", [", ".join(members) for members in groups.values()])
     refusal = refuse(model, q2_needed)
-    known = {"q2": ("output", [np.nan if model.q2 is None else model.q2]),
-             "refused": ("output", [refusal])}
-    return xr.Dataset({**variables, **known}, coords=coordinates,
-                      attrs={"surrogate": model.surrogate, "method": method,
-                             "confidence": confidence, "q2_needed": q2_needed,
-                             "refused": refusal, **attributes})
+    known = {
+        "q2": ("output", [np.nan if model.q2 is None else model.q2]),
+        "refused": ("output", [refusal]),
+    }
+    return xr.Dataset(
+        {**variables, **known},
+        coords=coordinates,
+        attrs={
+            "surrogate": model.surrogate,
+            "method": method,
+            "confidence": confidence,
+            "q2_needed": q2_needed,
+            "refused": refusal,
+            **attributes,
+        },
+    )
 
 
 def refuse(model: Model, q2_needed: float) -> str:
@@ -77,12 +97,16 @@ def refuse(model: Model, q2_needed: float) -> str:
     if model.estimator is None or (model.q2 is not None and model.q2 >= q2_needed):
         return ""
     if model.q2 is None or np.isnan(model.q2):
-        return (f"Not to be relied on: the Q2 of surrogate {model.surrogate} for {model.output} is "
-                "not known, so nothing says that its indices are those of the solver. Add runs or "
-                "a test design.")
-    return (f"Not to be relied on: surrogate {model.surrogate} predicts {model.output} with "
-            f"Q2 = {model.q2:.2f}, below the {q2_needed:g} that its indices need. "
-            "Add runs or choose another surrogate.")
+        return (
+            f"Not to be relied on: the Q2 of surrogate {model.surrogate} for {model.output} is "
+            "not known, so nothing says that its indices are those of the solver. Add runs or "
+            "a test design."
+        )
+    return (
+        f"Not to be relied on: surrogate {model.surrogate} predicts {model.output} with "
+        f"Q2 = {model.q2:.2f}, below the {q2_needed:g} that its indices need. "
+        "Add runs or choose another surrogate."
+    )
 
 
 def combine(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -92,6 +116,13 @@ def combine(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
         values = list(dict.fromkeys(d.attrs[key] for d in datasets if d.attrs[key] != ""))
         joined = "; ".join(map(str, values))
         attributes[key] = values[0] if len(values) == 1 else joined
-    joined = xr.concat(datasets, dim="output", combine_attrs="drop", join="exact",
-                       data_vars="all", coords="minimal", compat="equals")
+    joined = xr.concat(
+        datasets,
+        dim="output",
+        combine_attrs="drop",
+        join="exact",
+        data_vars="all",
+        coords="minimal",
+        compat="equals",
+    )
     return joined.assign_attrs(attributes)

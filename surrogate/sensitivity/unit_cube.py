@@ -70,34 +70,59 @@ class Measure:
         return tuple(np.asarray(found[name], dtype=float) for name in self.method.ends)
 
 
-def measured(one: Model, method: Method, *, seed, confidence: float, replicates: int, draws: int,
-             q2_needed: float, **attributes) -> xr.Dataset:
+def measured(
+    one: Model,
+    method: Method,
+    *,
+    seed,
+    confidence: float,
+    replicates: int,
+    draws: int,
+    q2_needed: float,
+    **attributes,
+) -> xr.Dataset:
     """Dataset of a method's measures: mean of the replicates, with both parts of the error."""
     require_independent(one.space, method.name)
     if np.ndim(one.predict(one.space.sample(2, seed=0))) != 1:
-        raise StudyError(f"sensitivity method {method.name} takes single numbers, but "
-                         f"{one.output} is an array; use method sobol or shapley")
+        raise StudyError(
+            f"sensitivity method {method.name} takes single numbers, but "
+            f"{one.output} is an array; use method sobol or shapley"
+        )
     require_at_least(4, replicates=replicates)
     seeds = np.random.default_rng(seed).integers(1, 2**31, replicates).tolist()
     sets = [Measure(method, one.space, s).of(one) for s in seeds]
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, replicates - 1) / np.sqrt(replicates)
-    spreads = spread(one, Measure(method, one.space, seeds[0]), draws=draws,
-                     confidence=confidence, seed=seed, shares=False)
+    spreads = spread(
+        one,
+        Measure(method, one.space, seeds[0]),
+        draws=draws,
+        confidence=confidence,
+        seed=seed,
+        shares=False,
+    )
     variables: dict[str, Any] = {}
-    for parts, (name, ends), part in zip(zip(*sets, strict=True), method.ends.items(), spreads,
-                                         strict=True):
+    for parts, (name, ends), part in zip(
+        zip(*sets, strict=True), method.ends.items(), spreads, strict=True
+    ):
         stack = np.stack(parts)
-        estimate = Estimate(stack.mean(axis=0), quantile * stack.std(axis=0, ddof=1),
-                            part.below, part.above)
+        estimate = Estimate(
+            stack.mean(axis=0), quantile * stack.std(axis=0, ddof=1), part.below, part.above
+        )
         variables |= estimate.columns(name, ("parameter",), ends)
-    return dataset(one, variables, method=method.name, confidence=confidence,
-                   q2_needed=q2_needed, surrogate_part=spreads[0].how, **attributes)
+    return dataset(
+        one,
+        variables,
+        method=method.name,
+        confidence=confidence,
+        q2_needed=q2_needed,
+        surrogate_part=spreads[0].how,
+        **attributes,
+    )
 
 
 def problem(space: Space) -> dict[str, Any]:
     """SALib's description of the unit cube."""
-    return {"num_vars": space.size, "names": list(space.names),
-            "bounds": [[0.0, 1.0]] * space.size}
+    return {"num_vars": space.size, "names": list(space.names), "bounds": [[0.0, 1.0]] * space.size}
 
 
 @contextmanager

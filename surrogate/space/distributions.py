@@ -111,15 +111,18 @@ def distribution(name: str, *, range: Range = UNBOUNDED, **words: float) -> Dist
     """
     lower, upper = map(float, range)
     if not lower < upper:
-        raise StudyError(f"range [{lower:g}, {upper:g}] is upside down or empty; "
-                         "write [smallest, largest]")
+        raise StudyError(
+            f"range [{lower:g}, {upper:g}] is upside down or empty; write [smallest, largest]"
+        )
     base, named = _base(name, (lower, upper), words)
     support = (lower, upper)
     if name not in ("uniform", "triangular"):  # scipy rounds the ends of these
         support = (max(lower, float(base.support()[0])), min(upper, float(base.support()[1])))
     if not support[0] < support[1] or not base.cdf(support[1]) - base.cdf(support[0]) > 1e-12:
-        raise StudyError(f"range [{lower:g}, {upper:g}] holds no probability of this "
-                         f"{name} distribution; move the range or the distribution")
+        raise StudyError(
+            f"range [{lower:g}, {upper:g}] holds no probability of this "
+            f"{name} distribution; move the range or the distribution"
+        )
     described = {"distribution": name, **named}
     if (lower, upper) != UNBOUNDED:
         described["range"] = (lower, upper)
@@ -133,12 +136,15 @@ def words_of(name: str) -> tuple[list[str], list[str]]:
         return words, words
     family = getattr(stats, name, None)
     if not isinstance(family, stats.rv_continuous):
-        continuous = [key for key in dir(stats)
-                      if isinstance(getattr(stats, key), stats.rv_continuous)]
+        continuous = [
+            key for key in dir(stats) if isinstance(getattr(stats, key), stats.rv_continuous)
+        ]
         close = nearest(name, [*_NAMED, *continuous]).split("?")[0]
         hint = f"{close}? " if close.startswith("did") else ""
-        raise StudyError(f"distribution '{name}' is unknown; {hint}"
-                         f"Use {', '.join(_NAMED)} or a continuous scipy.stats name")
+        raise StudyError(
+            f"distribution '{name}' is unknown; {hint}"
+            f"Use {', '.join(_NAMED)} or a continuous scipy.stats name"
+        )
     shapes = [shape.strip() for shape in (family.shapes or "").split(",") if shape.strip()]
     return [*shapes, "loc", "scale"], shapes
 
@@ -146,11 +152,17 @@ def words_of(name: str) -> tuple[list[str], list[str]]:
 def _base(name: str, range: Range, words: Mapping[str, float]) -> tuple[Any, dict[str, float]]:
     """Frozen scipy distribution before truncation, and its words."""
     accepted, required = words_of(name)
-    mistakes = [f"distribution {name} does not take '{word}'; {nearest(word, accepted)}"
-                for word in words if word not in accepted]
+    mistakes = [
+        f"distribution {name} does not take '{word}'; {nearest(word, accepted)}"
+        for word in words
+        if word not in accepted
+    ]
     mistakes += [f"distribution {name} needs '{word}'" for word in required if word not in words]
-    mistakes += [f"{word}: {words[word]:g} must be above 0"
-                 for word in SCALE_WORDS if word in words and not words[word] > 0]
+    mistakes += [
+        f"{word}: {words[word]:g} must be above 0"
+        for word in SCALE_WORDS
+        if word in words and not words[word] > 0
+    ]
     if mistakes:
         raise StudyError(*mistakes)
     if name in _NAMED:
@@ -191,5 +203,9 @@ def _triangular(range, mode):
     return stats.triang((mode - lower) / (upper - lower), lower, upper - lower)
 
 
-_NAMED = {"uniform": _uniform, "normal": _normal, "lognormal": _lognormal,
-          "triangular": _triangular}
+_NAMED = {
+    "uniform": _uniform,
+    "normal": _normal,
+    "lognormal": _lognormal,
+    "triangular": _triangular,
+}

@@ -37,8 +37,9 @@ class Parameter:
         if (self.distribution is None) == (not self.levels):
             raise StudyError(f"{self.name}: give either a distribution or levels, not both")
         if self.levels and (len(self.levels) < 2 or len(set(self.levels)) < len(self.levels)):
-            raise StudyError(f"{self.name}: levels {list(self.levels)} must be two or more "
-                             "different names")
+            raise StudyError(
+                f"{self.name}: levels {list(self.levels)} must be two or more different names"
+            )
 
     @property
     def categorical(self) -> bool:
@@ -70,8 +71,9 @@ class Parameter:
         names = np.asarray(physical).astype(str)
         unknown = sorted(set(names.ravel()) - set(self.levels))
         if unknown:
-            raise StudyError(f"{self.name}: level '{unknown[0]}' is unknown; "
-                             f"{nearest(unknown[0], self.levels)}")
+            raise StudyError(
+                f"{self.name}: level '{unknown[0]}' is unknown; {nearest(unknown[0], self.levels)}"
+            )
         order = {level: code for level, code in zip(self.levels, self.coded_levels, strict=True)}
         return np.vectorize(order.__getitem__, otypes=[float])(names)
 
@@ -85,10 +87,16 @@ class Parameter:
         if self.bounded:
             # Written about the nearer end so that -1 and 1 give the bounds to the last digit.
             lower, upper = self.distribution.support
-            return np.where(t < 0.0, lower + 0.5 * (t + 1.0) * (upper - lower),
-                            upper - 0.5 * (1.0 - t) * (upper - lower))
-        return np.where(t < 0.0, self.distribution.ppf(np.clip((1.0 + t) / 2.0, 0.0, 1.0)),
-                        self.distribution.isf(np.clip((1.0 - t) / 2.0, 0.0, 1.0)))
+            return np.where(
+                t < 0.0,
+                lower + 0.5 * (t + 1.0) * (upper - lower),
+                upper - 0.5 * (1.0 - t) * (upper - lower),
+            )
+        return np.where(
+            t < 0.0,
+            self.distribution.ppf(np.clip((1.0 + t) / 2.0, 0.0, 1.0)),
+            self.distribution.isf(np.clip((1.0 - t) / 2.0, 0.0, 1.0)),
+        )
 
     def quantile(self, u) -> np.ndarray:
         """Coded value below which the probability is u, for u in (0, 1); same shape."""
@@ -234,8 +242,10 @@ class Space:
     def _points(self, values) -> np.ndarray:
         values = np.atleast_2d(np.asarray(values, dtype=float))
         if values.shape[1] != self.size:
-            raise StudyError(f"points have {values.shape[1]} columns but the space has "
-                             f"{self.size} parameters: {', '.join(self.names)}")
+            raise StudyError(
+                f"points have {values.shape[1]} columns but the space has "
+                f"{self.size} parameters: {', '.join(self.names)}"
+            )
         return values
 
 
@@ -246,5 +256,7 @@ def _check_correlation(matrix: np.ndarray, size: int) -> None:
         raise StudyError("the correlation matrix must be symmetric with ones on its diagonal")
     smallest = np.linalg.eigvalsh(matrix)[0]
     if smallest <= 1e-10:
-        raise StudyError(f"the correlation matrix is not positive definite (smallest eigenvalue "
-                         f"{smallest:.3g}); no set of quantities has these correlations")
+        raise StudyError(
+            f"the correlation matrix is not positive definite (smallest eigenvalue "
+            f"{smallest:.3g}); no set of quantities has these correlations"
+        )

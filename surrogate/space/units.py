@@ -12,7 +12,8 @@ import pint
 from surrogate.errors import StudyError
 
 NUMBER_AND_UNIT = re.compile(
-    r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:(?:\s+|(?=[^\W\d_]|[°%]))(\S.*))?")
+    r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:(?:\s+|(?=[^\W\d_]|[°%]))(\S.*))?"
+)
 _REGISTRY = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
 
 
@@ -39,8 +40,16 @@ def known(unit: str) -> bool:
     """True when pint can read `unit`."""
     try:
         _REGISTRY.parse_units(unit)
-    except (pint.errors.PintError, ValueError, TypeError, AttributeError, SyntaxError,
-            AssertionError, ArithmeticError, LookupError):
+    except (
+        pint.errors.PintError,
+        ValueError,
+        TypeError,
+        AttributeError,
+        SyntaxError,
+        AssertionError,
+        ArithmeticError,
+        LookupError,
+    ):
         return False
     except Exception as error:  # pint lets errors of Python's tokenizer through
         if type(error).__name__ in ("TokenError", "DefinitionSyntaxError"):
@@ -76,8 +85,9 @@ def seconds(text: str | float) -> float:
     try:
         return float(_REGISTRY.Quantity(text).to("s").magnitude)
     except Exception:
-        raise StudyError(f"duration '{text}' is not understood; "
-                         "write '30 s', '30 min' or '2 h'") from None
+        raise StudyError(
+            f"duration '{text}' is not understood; write '30 s', '30 min' or '2 h'"
+        ) from None
 
 
 def quantity(text: str, target: str) -> float:

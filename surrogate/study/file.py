@@ -34,8 +34,9 @@ def _seconds(value: Any) -> float | None:
         raise ValueError(str(error)) from None
 
 
-Duration = Annotated[float | None, BeforeValidator(_seconds, json_schema_input_type=str | float),
-                     Field(gt=0)]
+Duration = Annotated[
+    float | None, BeforeValidator(_seconds, json_schema_input_type=str | float), Field(gt=0)
+]
 
 
 def _listed(value: Any) -> Any:
@@ -43,8 +44,9 @@ def _listed(value: Any) -> Any:
 
 
 #: One text, or a list of them.
-Texts = Annotated[tuple[str, ...], BeforeValidator(
-    _listed, json_schema_input_type=str | tuple[str, ...])]
+Texts = Annotated[
+    tuple[str, ...], BeforeValidator(_listed, json_schema_input_type=str | tuple[str, ...])
+]
 
 
 class Part(BaseModel):
@@ -80,8 +82,11 @@ class ParameterPart(OpenPart):
     """What varies: a range, a distribution with its words, or levels."""
 
     range: tuple[Number, Number] | None = Field(None, description="Smallest and largest value.")
-    distribution: str | None = Field(None, description="uniform, normal, lognormal, triangular "
-                                     "or a continuous scipy.stats name; a range truncates it.")
+    distribution: str | None = Field(
+        None,
+        description="uniform, normal, lognormal, triangular "
+        "or a continuous scipy.stats name; a range truncates it.",
+    )
     levels: tuple[str, ...] | None = Field(None, description="Names, for a categorical input.")
     unit: str | None = Field(None, description="Converted to the solver's unit.")
 
@@ -121,8 +126,9 @@ class SurrogatePart(Part):
 
     method: str = Field(description="See `surrogate list`, or module:Class of scikit-learn.")
     options: dict[str, Any] = {}
-    train: tuple[str, ...] = Field(("train",), min_length=1,
-                                   description="Designs that it learns from.")
+    train: tuple[str, ...] = Field(
+        ("train",), min_length=1, description="Designs that it learns from."
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -140,16 +146,20 @@ class SensitivityPart(OpenPart):
     method: str = "sobol"
     surrogate: str = Field("best", description="A surrogate's name, or best.")
     confidence: float = Field(0.95, gt=0, lt=1)
-    groups: dict[Name, tuple[str, ...]] = Field({}, description="Parameters whose share of the "
-                                                "variance is asked for as a whole.")
+    groups: dict[Name, tuple[str, ...]] = Field(
+        {}, description="Parameters whose share of the variance is asked for as a whole."
+    )
 
 
 class ScreeningPart(Part):
     """Freeze a parameter when its total index is surely below a limit."""
 
     freeze_below: float = Field(0.02, gt=0, lt=1)
-    outputs: Texts = Field((), description="Outputs that vote: a parameter is frozen when it "
-                           "hardly moves any of them. Default: all of the study's.")
+    outputs: Texts = Field(
+        (),
+        description="Outputs that vote: a parameter is frozen when it "
+        "hardly moves any of them. Default: all of the study's.",
+    )
 
 
 class ValidationPart(Part):
@@ -157,10 +167,15 @@ class ValidationPart(Part):
 
     cases: str = Field(description="Measurements (.csv), runs (.nc), or another study (.yaml).")
     output: Texts = Field((), description="Default: every scalar output that the cases have.")
-    subject: str | None = Field(None, description="Column that tells who a case was measured on, "
-                                "when one has several; default: the column 'subject', if any.")
-    models: dict[Name, SolverPart] = Field({}, description="Other solvers, called on the columns "
-                                           "of the cases that they take as inputs.")
+    subject: str | None = Field(
+        None,
+        description="Column that tells who a case was measured on, "
+        "when one has several; default: the column 'subject', if any.",
+    )
+    models: dict[Name, SolverPart] = Field(
+        {},
+        description="Other solvers, called on the columns of the cases that they take as inputs.",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -184,7 +199,8 @@ class StudyPart(Part):
     solver: SolverPart
     parameters: dict[Name, ParameterPart]
     correlation: tuple[tuple[str, str, Annotated[float, Field(gt=-1, lt=1)]], ...] = Field(
-        (), description="[name, name, correlation] of dependent parameters (Gaussian copula).")
+        (), description="[name, name, correlation] of dependent parameters (Gaussian copula)."
+    )
     constants: dict[Name, ConstantPart] = {}
     outputs: tuple[str, ...] | None = Field(None, description="Default: all of the solver's.")
     designs: dict[Name, DesignPart]
@@ -193,8 +209,11 @@ class StudyPart(Part):
     screening: ScreeningPart | None = None
     validation: ValidationPart | None = None
     execution: ExecutionPart = ExecutionPart()
-    stored: Texts = Field((), description="Files of runs that ship with the study "
-                          "(`surrogate store`), relative to the study file.")
+    stored: Texts = Field(
+        (),
+        description="Files of runs that ship with the study "
+        "(`surrogate store`), relative to the study file.",
+    )
 
 
 Path = tuple[str | int, ...]
@@ -257,8 +276,9 @@ def _mistake(item: Mapping[str, Any]) -> Mistake:
     path, kind, given = tuple(item["loc"]), item["type"], item.get("input")
     key = path[-1] if path else ""
     if kind == "extra_forbidden":
-        return Mistake(path, f"key '{key}' is unknown; {nearest(str(key), _keys_at(path[:-1]))}",
-                       on_key=True)
+        return Mistake(
+            path, f"key '{key}' is unknown; {nearest(str(key), _keys_at(path[:-1]))}", on_key=True
+        )
     if kind == "missing" and isinstance(key, int):
         return Mistake(path[:-1], f"{_shown(path)}: must have {key + 1} entries")
     if kind == "missing":
@@ -267,8 +287,11 @@ def _mistake(item: Mapping[str, Any]) -> Mistake:
         return Mistake(path[:-1], f"key '{key}' is needed here{meant}", on_key=len(path) > 1)
     if kind == "string_pattern_mismatch":
         name = given if isinstance(given, str) else key
-        return Mistake([p for p in path if p != "[key]"], f"name '{name}' may hold letters, digits "
-                       "and _ only, and starts with a letter", on_key="[key]" in path)
+        return Mistake(
+            [p for p in path if p != "[key]"],
+            f"name '{name}' may hold letters, digits and _ only, and starts with a letter",
+            on_key="[key]" in path,
+        )
     return Mistake(path, f"{_shown(path)} {given!r}: {_wanted(kind, item)}")
 
 
@@ -278,12 +301,17 @@ def _shown(path: Path) -> str:
 
 
 _KINDS = {
-    "float_parsing": "must be a number", "float_type": "must be a number",
-    "int_parsing": "must be a whole number", "int_type": "must be a whole number",
-    "int_from_float": "must be a whole number", "string_type": "must be a text",
-    "dict_type": "must be a mapping (key: value)", "model_type": "must be a mapping (key: value)",
+    "float_parsing": "must be a number",
+    "float_type": "must be a number",
+    "int_parsing": "must be a whole number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "string_type": "must be a text",
+    "dict_type": "must be a mapping (key: value)",
+    "model_type": "must be a mapping (key: value)",
     "model_attributes_type": "must be a mapping (key: value)",
-    "tuple_type": "must be a list [.., ..]", "finite_number": "must be a finite number",
+    "tuple_type": "must be a list [.., ..]",
+    "finite_number": "must be a finite number",
     "bool_parsing": "must be true or false",
 }
 
@@ -291,14 +319,21 @@ _KINDS = {
 def _wanted(kind: str, item: Mapping[str, Any]) -> str:
     context = item.get("ctx", {})
     if kind in ("greater_than", "greater_than_equal", "less_than", "less_than_equal"):
-        word = {"greater_than": "above", "greater_than_equal": "at least",
-                "less_than": "below", "less_than_equal": "at most"}[kind]
+        word = {
+            "greater_than": "above",
+            "greater_than_equal": "at least",
+            "less_than": "below",
+            "less_than_equal": "at most",
+        }[kind]
         limit = next(value for name, value in context.items() if name in ("gt", "ge", "lt", "le"))
         return f"must be {word} {limit:g}"
     if kind == "too_short" or kind == "too_long":
         wanted = context.get("min_length", context.get("max_length"))
-        return f"must have {wanted} entries" if kind == "too_long" else \
-            f"must have at least {wanted} {'entry' if wanted == 1 else 'entries'}"
+        return (
+            f"must have {wanted} entries"
+            if kind == "too_long"
+            else f"must have at least {wanted} {'entry' if wanted == 1 else 'entries'}"
+        )
     if kind == "missing_argument":
         return "must have two entries"
     if kind == "value_error":
@@ -310,9 +345,17 @@ def _keys_at(path: Path) -> list[str]:
     """Keys that a mapping of the study file at `path` takes."""
     if path[:2] == ("validation", "models") and len(path) > 2:
         return list(SolverPart.model_fields)
-    parts = {"solver": SolverPart, "parameters": ParameterPart, "constants": ConstantPart,
-             "designs": DesignPart, "surrogates": SurrogatePart, "sensitivity": SensitivityPart,
-             "screening": ScreeningPart, "validation": ValidationPart, "execution": ExecutionPart}
+    parts = {
+        "solver": SolverPart,
+        "parameters": ParameterPart,
+        "constants": ConstantPart,
+        "designs": DesignPart,
+        "surrogates": SurrogatePart,
+        "sensitivity": SensitivityPart,
+        "screening": ScreeningPart,
+        "validation": ValidationPart,
+        "execution": ExecutionPart,
+    }
     return list((parts[path[0]] if path else StudyPart).model_fields)
 
 

@@ -30,8 +30,13 @@ AUGMENTATIONS = "surrogate.augmentations"
 REGRESSORS = "surrogate.regressors"
 SENSITIVITY = "surrogate.sensitivity"
 #: The groups, and what one of each is called.
-NOUNS = {SOLVERS: "solver", DESIGNS: "design method", AUGMENTATIONS: "augmentation",
-         REGRESSORS: "regressor", SENSITIVITY: "sensitivity method"}
+NOUNS = {
+    SOLVERS: "solver",
+    DESIGNS: "design method",
+    AUGMENTATIONS: "augmentation",
+    REGRESSORS: "regressor",
+    SENSITIVITY: "sensitivity method",
+}
 
 
 def available(group: str) -> dict[str, EntryPoint]:
@@ -51,8 +56,9 @@ def load(group: str, name: str, folder: Path | None = None) -> Any:
     if ":" in name:
         _make_importable(folder)
         return _load(name, lambda: _resolve(name))
-    raise PluginError(f"{NOUNS[group]} '{name}' is unknown; {nearest(name, installed)}; "
-                      "or write module:object")
+    raise PluginError(
+        f"{NOUNS[group]} '{name}' is unknown; {nearest(name, installed)}; or write module:object"
+    )
 
 
 def _resolve(path: str) -> Any:
@@ -124,27 +130,38 @@ def parameters_of(function: Any) -> dict[str, Parameter]:
         return {}
 
 
-def option_mistakes(function: Any, options: Mapping[str, Any],
-                    given: tuple[str, ...] = ()) -> list[tuple[str, str]]:
+def option_mistakes(
+    function: Any, options: Mapping[str, Any], given: tuple[str, ...] = ()
+) -> list[tuple[str, str]]:
     """What is wrong with `options` for a plug-in's signature: (option, sentence) pairs.
 
     given: parameters that the framework fills in itself. Values are checked
     against the annotations where the plug-in has any.
     """
     if _is_built(function):
-        return [(name, f"option '{name}' is not taken: this solver is an object, not a class")
-                for name in options]
+        return [
+            (name, f"option '{name}' is not taken: this solver is an object, not a class")
+            for name in options
+        ]
     taken = {name: p for name, p in parameters_of(function).items() if name not in given}
     if any(p.kind is Parameter.VAR_KEYWORD for p in taken.values()):
         return []
     unknown = [name for name in options if name not in taken]
     mistakes = [(name, f"option '{name}' is unknown; {nearest(name, taken)}") for name in unknown]
     misspelt = {match for name in unknown for match in get_close_matches(name, taken, n=1)}
-    mistakes += [("", f"option '{name}' is needed") for name, p in taken.items()
-                 if p.default is Parameter.empty and name not in options and name not in misspelt]
+    mistakes += [
+        ("", f"option '{name}' is needed")
+        for name, p in taken.items()
+        if p.default is Parameter.empty and name not in options and name not in misspelt
+    ]
     if "seed" in taken and options.get("seed", 0) is None:
-        mistakes.append(("seed", "option 'seed' is empty: give a whole number, or leave it out; a "
-                         "study gives the same numbers each time"))
+        mistakes.append(
+            (
+                "seed",
+                "option 'seed' is empty: give a whole number, or leave it out; a "
+                "study gives the same numbers each time",
+            )
+        )
     known = {name: value for name, value in options.items() if name in taken}
     return mistakes + _value_mistakes(function, taken, known)
 
@@ -153,12 +170,21 @@ def _value_mistakes(function, taken, options) -> list[tuple[str, str]]:
     target = function.__init__ if isinstance(function, type) else function
     try:
         hints = get_type_hints(target)
-        model = create_model("Options", __config__=ConfigDict(arbitrary_types_allowed=True), **{
-            name: (hints.get(name, Any), None) for name in taken if name in options})
+        model = create_model(
+            "Options",
+            __config__=ConfigDict(arbitrary_types_allowed=True),
+            **{name: (hints.get(name, Any), None) for name in taken if name in options},
+        )
         model.model_validate(dict(options))
     except ValidationError as error:
-        return [(str(item["loc"][0]), f"option '{item['loc'][0]}': {options[item['loc'][0]]!r} "
-                 f"is not accepted: {item['msg'].lower()}") for item in error.errors()]
+        return [
+            (
+                str(item["loc"][0]),
+                f"option '{item['loc'][0]}': {options[item['loc'][0]]!r} "
+                f"is not accepted: {item['msg'].lower()}",
+            )
+            for item in error.errors()
+        ]
     except (NameError, TypeError, PydanticSchemaGenerationError):
         return []  # annotations that cannot be read are no reason to refuse the options
     return []

@@ -28,8 +28,9 @@ class Predictions:
     note: str = ""
 
 
-def predict(study: Study, results: Path, surrogate: str | None, words: Sequence[str],
-            points: Path | None) -> Predictions:
+def predict(
+    study: Study, results: Path, surrogate: str | None, words: Sequence[str], points: Path | None
+) -> Predictions:
     """Values and 95 % intervals at `name=value` words, or at the rows of a CSV file.
 
     surrogate: its name; None for the best of each output. Values are in the solver's
@@ -37,29 +38,42 @@ def predict(study: Study, results: Path, surrogate: str | None, words: Sequence[
     are not understood, `ResultsError` when no runs are stored and `FitError` when nothing
     can be fitted to them.
     """
-    physical = _from_words(study.space, words) if points is None else \
-        _from_csv(study.space, points, words)
+    physical = (
+        _from_words(study.space, words) if points is None else _from_csv(study.space, points, words)
+    )
     coded = study.space.encode(physical)
     stored = _stored(study, results, surrogate)
     asked = study if surrogate is None else study.with_surrogates([surrogate])
     fits = asked.fit(stored)
     inside = study.space.contains(coded)
-    outputs = {output: (name, *_with_interval(fits[name][output], coded))
-               for output, name in _chosen(study, fits, stored, surrogate).items()}
+    outputs = {
+        output: (name, *_with_interval(fits[name][output], coded))
+        for output, name in _chosen(study, fits, stored, surrogate).items()
+    }
     lost = asked.unfitted(stored, fits) if len(outputs) < len(study.outputs) else []
     if not outputs:
         raise FitError("\n".join(lost))
-    return Predictions([_row(study.space, physical, inside, outputs, i)
-                        for i in range(len(coded))], "\n".join([*_note(stored), *lost]))
+    return Predictions(
+        [_row(study.space, physical, inside, outputs, i) for i in range(len(coded))],
+        "\n".join([*_note(stored), *lost]),
+    )
 
 
 def _row(space: Space, physical, inside, outputs, i: int) -> dict[str, Any]:
-    return {"point": i,
-            "inputs": {name: np.asarray(physical[name])[i].item() for name in space.names},
-            "inside": bool(inside[i]),
-            "outputs": {output: {"surrogate": name, "value": mean[i].tolist(),
-                                 "low": low[i].tolist(), "high": high[i].tolist()}
-                        for output, (name, mean, low, high) in outputs.items()}}
+    return {
+        "point": i,
+        "inputs": {name: np.asarray(physical[name])[i].item() for name in space.names},
+        "inside": bool(inside[i]),
+        "outputs": {
+            output: {
+                "surrogate": name,
+                "value": mean[i].tolist(),
+                "low": low[i].tolist(),
+                "high": high[i].tolist(),
+            }
+            for output, (name, mean, low, high) in outputs.items()
+        },
+    }
 
 
 def _with_interval(fit, coded):
@@ -71,29 +85,36 @@ def _stored(study: Study, results: Path, surrogate: str | None) -> xr.Dataset:
     if not study.surrogates:
         raise StudyError("the study has no surrogates to predict with; add surrogates:")
     if surrogate is not None and surrogate not in study.surrogates:
-        raise StudyError(f"surrogate '{surrogate}' is unknown; "
-                         f"{nearest(surrogate, study.surrogates)}")
+        raise StudyError(
+            f"surrogate '{surrogate}' is unknown; {nearest(surrogate, study.surrogates)}"
+        )
     stored = study.stored(results)
     if not (stored["status"] == "ok").any():
-        raise ResultsError(f"{results} holds no finished runs of this study; "
-                           "do `surrogate run` first")
+        raise ResultsError(
+            f"{results} holds no finished runs of this study; do `surrogate run` first"
+        )
     return stored
 
 
 def _note(stored: xr.Dataset) -> list[str]:
     missing = int((stored["status"] == "missing").sum())
-    return [f"{missing} runs of the study are not done yet; the surrogates lack them."] \
-        if missing else []
+    return (
+        [f"{missing} runs of the study are not done yet; the surrogates lack them."]
+        if missing
+        else []
+    )
 
 
-def _chosen(study: Study, fits: Fits, stored: xr.Dataset,
-            surrogate: str | None) -> dict[str, str]:
+def _chosen(study: Study, fits: Fits, stored: xr.Dataset, surrogate: str | None) -> dict[str, str]:
     """Which surrogate answers for each output."""
     if surrogate is not None:
         return {output: surrogate for output in fits[surrogate]}
     best = study.best(study.compare(fits, stored)) if len(fits) > 1 else {}
-    return {output: best.get(output, next(iter(fits))) for output in study.outputs
-            if any(output in by_output for by_output in fits.values())}
+    return {
+        output: best.get(output, next(iter(fits)))
+        for output in study.outputs
+        if any(output in by_output for by_output in fits.values())
+    }
 
 
 def _from_words(space: Space, words: Iterable[str]) -> dict[str, np.ndarray]:

@@ -17,29 +17,39 @@ def reduced_text(study: Study, screening: Screening) -> str:
         return ""
     data = dict(read_text(study.text, study.name).data)
     data |= {"study": f"{study.name}_reduced", "about": study.about}
-    data["parameters"] = {name: part for name, part in data["parameters"].items()
-                          if name not in frozen}
+    data["parameters"] = {
+        name: part for name, part in data["parameters"].items() if name not in frozen
+    }
     data["constants"] = {**data.get("constants", {}), **frozen}
     for word in ("stored", "validation"):  # files beside the study, about other runs
         data.pop(word, None)
     _forget(data, frozen)
-    note = (f"# {study.name} with {', '.join(frozen)} frozen: the total index of each is\n"
-            f"# surely below {screening.freeze_below:g}. Keep this file beside the study it came\n"
-            "# from when the solver reads files or modules from there.\n\n")
+    note = (
+        f"# {study.name} with {', '.join(frozen)} frozen: the total index of each is\n"
+        f"# surely below {screening.freeze_below:g}. Keep this file beside the study it came\n"
+        "# from when the solver reads files or modules from there.\n\n"
+    )
     return note + write_yaml(data)
 
 
 def _forget(data: dict[str, Any], frozen: Container[str]) -> None:
     """Drop frozen parameters from correlations and groups."""
-    rows = [[first, second, value] for first, second, value in data.get("correlation", ())
-            if first not in frozen and second not in frozen]
+    rows = [
+        [first, second, value]
+        for first, second, value in data.get("correlation", ())
+        if first not in frozen and second not in frozen
+    ]
     if rows:
         data["correlation"] = rows
     else:
         data.pop("correlation", None)
     sensitivity = data.get("sensitivity") or {}
     if "groups" in sensitivity:
-        left = {group: [name for name in members if name not in frozen]
-                for group, members in sensitivity["groups"].items()}
-        data["sensitivity"] = {**sensitivity, "groups": {
-            group: members for group, members in left.items() if members}}
+        left = {
+            group: [name for name in members if name not in frozen]
+            for group, members in sensitivity["groups"].items()
+        }
+        data["sensitivity"] = {
+            **sensitivity,
+            "groups": {group: members for group, members in left.items() if members},
+        }

@@ -24,15 +24,22 @@ class _Loader(yaml.SafeLoader):
 
 
 _Loader.yaml_implicit_resolvers = {
-    first: [(tag, rule) for tag, rule in rules
-            if tag.rsplit(":", 1)[-1] not in ("float", "int", "bool", "timestamp")]
+    first: [
+        (tag, rule)
+        for tag, rule in rules
+        if tag.rsplit(":", 1)[-1] not in ("float", "int", "bool", "timestamp")
+    ]
     for first, rules in yaml.SafeLoader.yaml_implicit_resolvers.items()
 }
 for _tag, _rule, _first in (
     ("bool", r"^(?:true|True|TRUE|false|False|FALSE)$", "tTfF"),
     ("int", r"^[-+]?[0-9]+$", "-+0123456789"),
-    ("float", r"^[-+]?(?:(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
-              r"|\.(?:inf|Inf|INF))$|^\.(?:nan|NaN|NAN)$", "-+.0123456789"),
+    (
+        "float",
+        r"^[-+]?(?:(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"
+        r"|\.(?:inf|Inf|INF))$|^\.(?:nan|NaN|NAN)$",
+        "-+.0123456789",
+    ),
 ):
     _Loader.add_implicit_resolver(f"tag:yaml.org,2002:{_tag}", re.compile(_rule), list(_first))
 # Octal and base-60 integers of YAML 1.1 would change 010 and 1:30 behind the reader's back.
@@ -100,8 +107,10 @@ def read_text(text: str, name: str) -> Source:
     except ValueError as error:  # !!int and !!float before a word
         raise StudyError(f"{name}: this is not YAML: {error}") from None
     except RecursionError:
-        raise StudyError(f"{name}: this is not YAML: an alias stands inside of what it names, or "
-                         "lists are nested too deep") from None
+        raise StudyError(
+            f"{name}: this is not YAML: an alias stands inside of what it names, or "
+            "lists are nested too deep"
+        ) from None
     return Source(name, text, data, source.keys, source.values)
 
 
@@ -126,8 +135,10 @@ def _mark(node: yaml.Node, path: tuple[Key, ...], source: Source) -> list[str]:
             position = (key.start_mark.line + 1, key.start_mark.column + 1)
             if here in source.keys:
                 first = source.keys[here][0]
-                mistakes.append(f"{source.name}:{position[0]}:{position[1]}: "
-                                f"'{key.value}' stands twice (first in line {first}); keep one")
+                mistakes.append(
+                    f"{source.name}:{position[0]}:{position[1]}: "
+                    f"'{key.value}' stands twice (first in line {first}); keep one"
+                )
             source.keys[here] = position
             mistakes += _mark(item, here, source)
     return mistakes
@@ -146,8 +157,9 @@ class _Dumper(yaml.SafeDumper):
 
 
 _Dumper.add_representer(tuple, _Dumper.represent_list)
-_Dumper.add_representer(float, lambda dumper, value: dumper.represent_scalar(
-    "tag:yaml.org,2002:float", _digits(value)))
+_Dumper.add_representer(
+    float, lambda dumper, value: dumper.represent_scalar("tag:yaml.org,2002:float", _digits(value))
+)
 
 
 def _digits(value: float) -> str:

@@ -105,8 +105,12 @@ class Study:
         """The study as written, or as YAML when it came as Python data."""
         if self.source.text:
             return self.source.text
-        return write_yaml({**self.source.data, "solver": {
-            "name": self.recipe.name, "options": self.recipe.plain_options}})
+        return write_yaml(
+            {
+                **self.source.data,
+                "solver": {"name": self.recipe.name, "options": self.recipe.plain_options},
+            }
+        )
 
     @property
     def aliases(self) -> dict[str, Aliasing]:
@@ -134,8 +138,9 @@ class Study:
         return self._matching(self.stored_runs)
 
     def _matching(self, files: Iterable[StoredRuns]) -> Given:
-        return storing.match(files, self.recipe, self._calls, keys(self.recipe, self._calls),
-                             self.outputs)
+        return storing.match(
+            files, self.recipe, self._calls, keys(self.recipe, self._calls), self.outputs
+        )
 
     def stored(self, results: Path | None = None) -> xr.Dataset:
         """The runs dataset as far as the journal and the stored files go; the rest is 'missing'.
@@ -144,23 +149,44 @@ class Study:
         """
         known = Known(read_journal(self.journal(results)), self._given, self.outputs)
         runs = rundata.assemble(
-            self.space, self.points, self.recipe, known,
-            constants=self.constants, outputs=self.outputs, study=self.text,
-            seeds={name: design.options["seed"] for name, design in self.designs.items()
-                   if "seed" in design.options})
+            self.space,
+            self.points,
+            self.recipe,
+            known,
+            constants=self.constants,
+            outputs=self.outputs,
+            study=self.text,
+            seeds={
+                name: design.options["seed"]
+                for name, design in self.designs.items()
+                if "seed" in design.options
+            },
+        )
         return runs.assign_attrs(stored=canonical(known.origins(keys(self.recipe, self._calls))))
 
     @property
     def unused(self) -> list[str]:
         """A sentence for each stored file that holds no run of this study: what differs first."""
-        return [self.source.sentence(
-            ("stored", index), f"no run in '{file.name}' is one of this study's: "
-            + storing.first_difference(file, self.recipe, self._calls, self.outputs))
-            for index, file in enumerate(self.stored_runs) if not self._matching([file]).records]
+        return [
+            self.source.sentence(
+                ("stored", index),
+                f"no run in '{file.name}' is one of this study's: "
+                + storing.first_difference(file, self.recipe, self._calls, self.outputs),
+            )
+            for index, file in enumerate(self.stored_runs)
+            if not self._matching([file]).records
+        ]
 
-    def run(self, *, workers: int | None = None, results: Path | None = None,
-            executor: Executor | None = None, retry_failed: bool = False, fresh: bool = False,
-            progress: Callable[[Progress], None] | None = None) -> xr.Dataset:
+    def run(
+        self,
+        *,
+        workers: int | None = None,
+        results: Path | None = None,
+        executor: Executor | None = None,
+        retry_failed: bool = False,
+        fresh: bool = False,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> xr.Dataset:
         """Do the runs that neither the journal nor a stored file has; returns the runs dataset.
 
         Runs of other studies in the same results folder are taken over where they are the
@@ -171,18 +197,28 @@ class Study:
         """
         known = {} if fresh else {"others": self._neighbours(results), "given": self._given}
         carry_out = execute_fresh if fresh else execute
-        carry_out(self.recipe, rundata.columns(self.space, self.points),
-                  journal=self.journal(results), constants=self.constants, outputs=self.outputs,
-                  workers=workers or self.execution.workers, timeout=self.execution.timeout,
-                  retries=self.execution.retries, executor=executor, progress=progress,
-                  rerun=("failed", "timed_out") if retry_failed else (), **known)
+        carry_out(
+            self.recipe,
+            rundata.columns(self.space, self.points),
+            journal=self.journal(results),
+            constants=self.constants,
+            outputs=self.outputs,
+            workers=workers or self.execution.workers,
+            timeout=self.execution.timeout,
+            retries=self.execution.retries,
+            executor=executor,
+            progress=progress,
+            rerun=("failed", "timed_out") if retry_failed else (),
+            **known,
+        )
         return self.stored(results)
 
     def _neighbours(self, results: Path | None) -> list[Path]:
         """Journals of other studies beside this one's results."""
         own = self.journal(results).resolve()
-        return [journal for journal in sorted(own.parent.parent.glob("*/journal"))
-                if journal != own]
+        return [
+            journal for journal in sorted(own.parent.parent.glob("*/journal")) if journal != own
+        ]
 
     def fit(self, runs: xr.Dataset) -> dict[str, dict[str, Fit]]:
         """Every surrogate fitted to every output: surrogate -> output -> Fit.
@@ -190,22 +226,38 @@ class Study:
         An output that a surrogate cannot be fitted to, because too many runs failed,
         is left out; `unfitted` says why.
         """
-        return {name: {output: fit for output in self.outputs
-                       if isinstance(fit := self._fit(runs, name, output), Fit)}
-                for name in self.surrogates}
+        return {
+            name: {
+                output: fit
+                for output in self.outputs
+                if isinstance(fit := self._fit(runs, name, output), Fit)
+            }
+            for name in self.surrogates
+        }
 
     def unfitted(self, runs: xr.Dataset, fits: Fits) -> list[str]:
         """A sentence for each surrogate and output without a fit."""
-        return [str(self._fit(runs, name, output)) for name in self.surrogates
-                for output in self.outputs if output not in fits[name]]
+        return [
+            str(self._fit(runs, name, output))
+            for name in self.surrogates
+            for output in self.outputs
+            if output not in fits[name]
+        ]
 
     def _fit(self, runs: xr.Dataset, name: str, output: str) -> Fit | FitError | PluginError:
         surrogate = self.surrogates[name]
         coded, values = rundata.training(runs, output, surrogate.train)
         try:
-            return call(f"surrogate '{name}' cannot be fitted to '{output}'", fitting.fit,
-                        self.space, coded, values, surrogate.estimator, surrogate=name,
-                        output=output)
+            return call(
+                f"surrogate '{name}' cannot be fitted to '{output}'",
+                fitting.fit,
+                self.space,
+                coded,
+                values,
+                surrogate.estimator,
+                surrogate=name,
+                output=output,
+            )
         except (FitError, PluginError) as error:
             return error
 
@@ -213,8 +265,11 @@ class Study:
         """All surrogates side by side, on common folds and on the test design if there is one."""
         if not any(fits.values()):
             return None
-        test = {output: rundata.training(runs, output, ("test",)) for output in self.outputs} \
-            if "test" in self.designs else None
+        test = (
+            {output: rundata.training(runs, output, ("test",)) for output in self.outputs}
+            if "test" in self.designs
+            else None
+        )
         return comparing.compare(fits, test)
 
     def best(self, table: xr.Dataset | None) -> dict[str, str]:
@@ -224,14 +279,19 @@ class Study:
     def regressions(self, fits: Fits) -> dict[str, dict[str, xr.Dataset]]:
         """Regression tables: surrogate -> output -> dataset, for polynomials of scalars."""
         deterministic = self.recipe.deterministic
-        tables = {name: {output: fit.estimator.regression_table(deterministic=deterministic)
-                         for output, fit in by_output.items()
-                         if hasattr(fit.estimator, "regression_table")}
-                  for name, by_output in fits.items()}
+        tables = {
+            name: {
+                output: fit.estimator.regression_table(deterministic=deterministic)
+                for output, fit in by_output.items()
+                if hasattr(fit.estimator, "regression_table")
+            }
+            for name, by_output in fits.items()
+        }
         return {name: by_output for name, by_output in tables.items() if by_output}
 
-    def sensitivity(self, fits: Fits, runs: xr.Dataset,
-                    table: xr.Dataset | None = None) -> xr.Dataset | None:
+    def sensitivity(
+        self, fits: Fits, runs: xr.Dataset, table: xr.Dataset | None = None
+    ) -> xr.Dataset | None:
         """Indices of every output, read from the study's surrogate for sensitivity.
 
         table: the comparison, when it is at hand. Q2 is that of the test design where
@@ -241,10 +301,19 @@ class Study:
         table = self.compare(fits, runs) if table is None else table
         if method is None or table is None:
             return None
-        return combine([
-            call(f"output '{fit.output}'", method.function, fit, self.space,
-                 confidence=method.confidence, **self._told(method, table, fit) | method.options)
-            for fit in self._analysed(fits, table).values()])
+        return combine(
+            [
+                call(
+                    f"output '{fit.output}'",
+                    method.function,
+                    fit,
+                    self.space,
+                    confidence=method.confidence,
+                    **self._told(method, table, fit) | method.options,
+                )
+                for fit in self._analysed(fits, table).values()
+            ]
+        )
 
     def _analysed(self, fits: Fits, table: xr.Dataset) -> dict[str, Fit]:
         """The fit of each output that sensitivity reads."""
@@ -260,8 +329,9 @@ class Study:
         offered = {"seed": 0, "q2": q2, "groups": method.groups}
         return {name: value for name, value in offered.items() if name in taken}
 
-    def screening(self, fits: Fits, table: xr.Dataset | None,
-                  indices: xr.Dataset | None) -> Screening | None:
+    def screening(
+        self, fits: Fits, table: xr.Dataset | None, indices: xr.Dataset | None
+    ) -> Screening | None:
         """Which parameters to keep; None when the study does not ask or nothing could be read.
 
         Outputs that vote and could not be fitted are left aside; `unfitted` names them.
@@ -270,19 +340,34 @@ class Study:
             return None
         wanted = self.screening_rule.outputs or self.outputs
         voting = [name for name in wanted if name in indices["output"].values]
-        return decide(indices, self.screening_rule.freeze_below, space=self.space,
-                      fits=self._analysed(fits, table), outputs=voting, nominal=self._nominal,
-                      seed=0) if voting else None
+        return (
+            decide(
+                indices,
+                self.screening_rule.freeze_below,
+                space=self.space,
+                fits=self._analysed(fits, table),
+                outputs=voting,
+                nominal=self._nominal,
+                seed=0,
+            )
+            if voting
+            else None
+        )
 
     @property
     def _nominal(self) -> dict[str, float | str]:
         """The solver's nominal values of those parameters whose range holds theirs."""
-        nominal = {p.name: self.recipe.solver.inputs[p.name].nominal
-                   for p in self.space.parameters}
-        return {p.name: nominal[p.name] for p in self.space.parameters
-                if nominal[p.name] in p.levels or (
-                    not p.categorical and nominal[p.name] is not None
-                    and p.distribution.support[0] <= nominal[p.name] <= p.distribution.support[1])}
+        nominal = {p.name: self.recipe.solver.inputs[p.name].nominal for p in self.space.parameters}
+        return {
+            p.name: nominal[p.name]
+            for p in self.space.parameters
+            if nominal[p.name] in p.levels
+            or (
+                not p.categorical
+                and nominal[p.name] is not None
+                and p.distribution.support[0] <= nominal[p.name] <= p.distribution.support[1]
+            )
+        }
 
     def beside(self, other: Study, results: Path | None = None) -> Path:
         """Where the results of another study lie, when this one's lie in `results`."""
@@ -319,8 +404,9 @@ class Study:
         """Outputs that validation names; none for all that the cases have."""
         return self.validation.outputs if self.validation else ()
 
-    def validate(self, fits: Fits, cases: Any = None, *,
-                 results: Path | None = None) -> xr.Dataset | None:
+    def validate(
+        self, fits: Fits, cases: Any = None, *, results: Path | None = None
+    ) -> xr.Dataset | None:
         """Surrogates, and the validation's models, beside cases that they have not seen.
 
         cases: as in `cases`; default the study's own. Runs no solver but the models.
@@ -328,27 +414,58 @@ class Study:
         found = self.cases(cases, results=results)
         if found is None:
             return None
-        units = {name: self._offered[name].unit
-                 for name in outputs_in(found, self._offered, self._compared)}
+        units = {
+            name: self._offered[name].unit
+            for name in outputs_in(found, self._offered, self._compared)
+        }
         return compare_with_cases(
-            self.space, fits, found, units, self.validation.models if self.validation else {},
-            fixed_inputs(self.recipe.solver, self.space, self.constants))
+            self.space,
+            fits,
+            found,
+            units,
+            self.validation.models if self.validation else {},
+            fixed_inputs(self.recipe.solver, self.space, self.constants),
+        )
 
-    def report(self, runs: xr.Dataset, fits: Fits, table: xr.Dataset | None = None,
-               indices: xr.Dataset | None = None, *, screening: Screening | None = None,
-               validation: xr.Dataset | None = None, reduced: str = "",
-               not_done: Sequence[str] = ()) -> Page:
+    def report(
+        self,
+        runs: xr.Dataset,
+        fits: Fits,
+        table: xr.Dataset | None = None,
+        indices: xr.Dataset | None = None,
+        *,
+        screening: Screening | None = None,
+        validation: xr.Dataset | None = None,
+        reduced: str = "",
+        not_done: Sequence[str] = (),
+    ) -> Page:
         """The report as one page; `page.save(path)` writes it."""
-        return build(Content(
-            name=self.name, about=self.about, space=self.space, runs=runs, fits=fits,
-            comparison=table, regression=self.regressions(fits), sensitivity=indices,
-            screening=screening, validation=validation, aliasing=self.aliases,
-            reduced_study=reduced, not_done=not_done))
+        return build(
+            Content(
+                name=self.name,
+                about=self.about,
+                space=self.space,
+                runs=runs,
+                fits=fits,
+                comparison=table,
+                regression=self.regressions(fits),
+                sensitivity=indices,
+                screening=screening,
+                validation=validation,
+                aliasing=self.aliases,
+                reduced_study=reduced,
+                not_done=not_done,
+            )
+        )
 
     def validation_page(self, runs: xr.Dataset, validation: xr.Dataset) -> Page:
         """The report of a validation alone."""
-        return build(Content(name=self.name, about=self.about, space=self.space, runs=runs,
-                             validation=validation), only="validation")
+        return build(
+            Content(
+                name=self.name, about=self.about, space=self.space, runs=runs, validation=validation
+            ),
+            only="validation",
+        )
 
 
 def _reference(path: Path) -> Study:
@@ -375,10 +492,26 @@ def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
     if solver:
         reading.check_screening(notes, outputs)
     stored_runs = reading.stored_of(notes)
-    validation = reading.validation_of(notes, solver, space, outputs, constants, _reference) \
-        if solver else None
+    validation = (
+        reading.validation_of(notes, solver, space, outputs, constants, _reference)
+        if solver
+        else None
+    )
     if notes.mistakes:
         raise StudyError(*reading.sentences(source, notes.mistakes))
-    return cls(part.study, part.about.strip(), recipe, space, constants, outputs, designs,
-               surrogates, sensitivity, part.screening, part.execution, stored_runs,
-               validation, source)
+    return cls(
+        part.study,
+        part.about.strip(),
+        recipe,
+        space,
+        constants,
+        outputs,
+        designs,
+        surrogates,
+        sensitivity,
+        part.screening,
+        part.execution,
+        stored_runs,
+        validation,
+        source,
+    )

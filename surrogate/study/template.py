@@ -16,8 +16,9 @@ def write(name: str, folder: Path | None = None) -> Path:
     """
     stem = name.removesuffix(".yaml")
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", stem):
-        raise StudyError(f"name '{stem}' may hold letters, digits and _ only, and starts "
-                         "with a letter")
+        raise StudyError(
+            f"name '{stem}' may hold letters, digits and _ only, and starts with a letter"
+        )
     path = (folder or Path()) / f"{stem}.yaml"
     text = files("surrogate.study").joinpath("template.yaml").read_text(encoding="utf-8")
     try:

@@ -48,8 +48,14 @@ FIGURES = {
 }
 
 
-def agreement(reference, model, subjects: Sequence | None = None, *, confidence: float = 0.95,
-              multiple: float = 1.96) -> dict[str, float]:
+def agreement(
+    reference,
+    model,
+    subjects: Sequence | None = None,
+    *,
+    confidence: float = 0.95,
+    multiple: float = 1.96,
+) -> dict[str, float]:
     """`FIGURES` of pairs (n,), those with a NaN left out; NaN where too few pairs are left.
 
     subjects  (n,) who each pair belongs to; None, or all different, for one pair each
@@ -81,9 +87,12 @@ def _groups(subjects, known: np.ndarray) -> np.ndarray:
 def _errors(x: np.ndarray, y: np.ndarray) -> dict[str, float]:
     error = y - x
     relative = error / x if (x != 0.0).all() else np.full(len(x), np.nan)
-    return {"bias": error.mean(), "rmse": np.sqrt((error**2).mean()),
-            "mean_error_percent": 100.0 * relative.mean(),
-            "mean_absolute_error_percent": 100.0 * np.abs(relative).mean()}
+    return {
+        "bias": error.mean(),
+        "rmse": np.sqrt((error**2).mean()),
+        "mean_error_percent": 100.0 * relative.mean(),
+        "mean_absolute_error_percent": 100.0 * np.abs(relative).mean(),
+    }
 
 
 def _regression(x: np.ndarray, y: np.ndarray, confidence: float) -> dict[str, float]:
@@ -93,25 +102,33 @@ def _regression(x: np.ndarray, y: np.ndarray, confidence: float) -> dict[str, fl
     half = stats.t.ppf(0.5 + confidence / 2.0, len(x) - 1) * error
     about_mean = ((x - x.mean()) ** 2).sum()
     both = np.sqrt(about_mean * ((y - y.mean()) ** 2).sum())
-    return {"slope": slope, "slope_low": slope - half, "slope_high": slope + half,
-            "r2": 1.0 - ((y - x) ** 2).sum() / about_mean if about_mean else np.nan,
-            "r2_correlation": (((x - x.mean()) * (y - y.mean())).sum() / both) ** 2
-            if both else np.nan}
+    return {
+        "slope": slope,
+        "slope_low": slope - half,
+        "slope_high": slope + half,
+        "r2": 1.0 - ((y - x) ** 2).sum() / about_mean if about_mean else np.nan,
+        "r2_correlation": (((x - x.mean()) * (y - y.mean())).sum() / both) ** 2 if both else np.nan,
+    }
 
 
-def _plain(d: np.ndarray, groups: np.ndarray, confidence: float,
-           multiple: float) -> dict[str, float]:
+def _plain(
+    d: np.ndarray, groups: np.ndarray, confidence: float, multiple: float
+) -> dict[str, float]:
     """Limits from independent differences."""
     n, bias, sd = len(d), d.mean(), d.std(ddof=1)
     tails = np.array([0.5 - confidence / 2.0, 0.5 + confidence / 2.0])
     reach = stats.t.ppf(tails, n - 1) * sd / np.sqrt(n)
-    outer = stats.nct.ppf(tails, n - 1, multiple * np.sqrt(n)) * sd / np.sqrt(n) \
-        if sd > 0 else np.zeros(2)
+    outer = (
+        stats.nct.ppf(tails, n - 1, multiple * np.sqrt(n)) * sd / np.sqrt(n)
+        if sd > 0
+        else np.zeros(2)
+    )
     return _limits(bias, sd, multiple, reach[1], outer)
 
 
-def _repeated(d: np.ndarray, groups: np.ndarray, confidence: float,
-              multiple: float) -> dict[str, float]:
+def _repeated(
+    d: np.ndarray, groups: np.ndarray, confidence: float, multiple: float
+) -> dict[str, float]:
     """Limits from several differences a subject: one-way analysis of variance.
 
     The mean number of differences a subject is m0 = (N^2 - sum m^2) / ((k - 1) N); the
@@ -128,21 +145,32 @@ def _repeated(d: np.ndarray, groups: np.ndarray, confidence: float,
     apart = max(0.0, (between - within) / m0)
     variance = apart + within
     of_bias = apart * (sizes**2).sum() / total**2 + within / total
-    of_variance = 2.0 * (between / m0) ** 2 / (k - 1) \
-        + 2.0 * ((1.0 - 1.0 / m0) * within) ** 2 / (total - k)
+    of_variance = 2.0 * (between / m0) ** 2 / (k - 1) + 2.0 * ((1.0 - 1.0 / m0) * within) ** 2 / (
+        total - k
+    )
     t = stats.t.ppf(0.5 + confidence / 2.0, k - 1)
     sd = np.sqrt(variance)
-    half = t * np.sqrt(of_bias + (multiple**2 * of_variance / (4.0 * variance)
-                                  if variance else 0.0))
-    found = _limits(d.mean(), sd, multiple, t * np.sqrt(of_bias),
-                    multiple * sd + np.array([-half, half]))
+    half = t * np.sqrt(
+        of_bias + (multiple**2 * of_variance / (4.0 * variance) if variance else 0.0)
+    )
+    found = _limits(
+        d.mean(), sd, multiple, t * np.sqrt(of_bias), multiple * sd + np.array([-half, half])
+    )
     return found | {"sd_within": np.sqrt(within), "sd_between": np.sqrt(apart)}
 
 
-def _limits(bias: float, sd: float, multiple: float, half: float,
-            outer: np.ndarray) -> dict[str, float]:
+def _limits(
+    bias: float, sd: float, multiple: float, half: float, outer: np.ndarray
+) -> dict[str, float]:
     """outer: interval of limit - bias for the upper limit; the lower one mirrors it."""
-    return {"bias_low": bias - half, "bias_high": bias + half, "sd": sd,
-            "lower_limit": bias - multiple * sd, "upper_limit": bias + multiple * sd,
-            "lower_limit_low": bias - outer[1], "lower_limit_high": bias - outer[0],
-            "upper_limit_low": bias + outer[0], "upper_limit_high": bias + outer[1]}
+    return {
+        "bias_low": bias - half,
+        "bias_high": bias + half,
+        "sd": sd,
+        "lower_limit": bias - multiple * sd,
+        "upper_limit": bias + multiple * sd,
+        "lower_limit_low": bias - outer[1],
+        "lower_limit_high": bias - outer[0],
+        "upper_limit_low": bias + outer[0],
+        "upper_limit_high": bias + outer[1],
+    }

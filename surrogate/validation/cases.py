@@ -68,8 +68,9 @@ class Cases:
                     cell = np.nan
                 if not gaps and not _finite(cell):
                     raise StudyError("there is no value")
-                values[k] = convert.place(units.quantity(cell, stated) if isinstance(cell, str)
-                                          else float(cell))
+                values[k] = convert.place(
+                    units.quantity(cell, stated) if isinstance(cell, str) else float(cell)
+                )
             except StudyError as error:
                 mistakes.append(f"{self.places[k]}: {name}: {error}".removeprefix(": "))
         if mistakes:
@@ -84,13 +85,17 @@ class Cases:
     def in_units(self, known: Mapping[str, Any]) -> Cases:
         """The same cases, columns without a stated unit being in that of `known` (name -> with
         `unit`)."""
-        return replace(self, units={**{name: one.unit for name, one in known.items()},
-                                    **self.units})
+        return replace(
+            self, units={**{name: one.unit for name, one in known.items()}, **self.units}
+        )
 
     def inputs(self, wanted: Mapping[str, Any]) -> dict[str, np.ndarray]:
         """The columns among `wanted` (name -> with `unit` and `levels`), in those units."""
-        return {name: self.words(name) if one.levels else self.numbers(name, one.unit)
-                for name, one in wanted.items() if name in self.columns}
+        return {
+            name: self.words(name) if one.levels else self.numbers(name, one.unit)
+            for name, one in wanted.items()
+            if name in self.columns
+        }
 
 
 def _finite(cell: Any) -> bool:
@@ -105,31 +110,49 @@ def read_csv(path: Path, name: str = "") -> Cases:
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
-        raise StudyError(f"{path} cannot be read ({error.strerror or error}); "
-                         "a path in a study is relative to the study file") from None
+        raise StudyError(
+            f"{path} cannot be read ({error.strerror or error}); "
+            "a path in a study is relative to the study file"
+        ) from None
     except UnicodeDecodeError:
         raise StudyError(f"{path} is not a text file in UTF-8; save it as CSV UTF-8") from None
-    rows = [(number, [cell.strip() for cell in next(csv.reader([line]))])
-            for number, line in enumerate(lines, 1)
-            if line.strip(" ,\t") and not line.lstrip().startswith("#")]
+    rows = [
+        (number, [cell.strip() for cell in next(csv.reader([line]))])
+        for number, line in enumerate(lines, 1)
+        if line.strip(" ,\t") and not line.lstrip().startswith("#")
+    ]
     if len(rows) < 2:
-        raise StudyError(f"{path} holds no cases; its first line names the columns, each further "
-                         "line is a case")
+        raise StudyError(
+            f"{path} holds no cases; its first line names the columns, each further line is a case"
+        )
     _check_rows(path, rows)
     header = rows[0][1]
-    columns = {title: np.array([cells[j] for _, cells in rows[1:]], dtype=object)
-               for j, title in enumerate(header) if title}
+    columns = {
+        title: np.array([cells[j] for _, cells in rows[1:]], dtype=object)
+        for j, title in enumerate(header)
+        if title
+    }
     labels = columns.pop(LABEL, [str(k) for k in range(1, len(rows))])
-    return Cases(name or str(path), columns, tuple(f"{path}:{number}" for number, _ in rows[1:]),
-                 tuple(map(str, labels)))
+    return Cases(
+        name or str(path),
+        columns,
+        tuple(f"{path}:{number}" for number, _ in rows[1:]),
+        tuple(map(str, labels)),
+    )
 
 
 def _check_rows(path: Path, rows: list[tuple[int, list[str]]]) -> None:
     first, header = rows[0]
-    mistakes = [f"{path}:{first}: column '{title}' stands twice"
-                for title in dict.fromkeys(header) if title and header.count(title) > 1]
-    mistakes += [f"{path}:{number}: {len(cells)} cells where the first line names {len(header)}"
-                 for number, cells in rows[1:] if len(cells) != len(header)]
+    mistakes = [
+        f"{path}:{first}: column '{title}' stands twice"
+        for title in dict.fromkeys(header)
+        if title and header.count(title) > 1
+    ]
+    mistakes += [
+        f"{path}:{number}: {len(cells)} cells where the first line names {len(header)}"
+        for number, cells in rows[1:]
+        if len(cells) != len(header)
+    ]
     if mistakes:
         raise StudyError(*mistakes[:SHOWN])
 
@@ -137,13 +160,18 @@ def _check_rows(path: Path, rows: list[tuple[int, list[str]]]) -> None:
 def read_runs(path: Path, name: str) -> Cases:
     """The good runs in a runs dataset as cases."""
     try:
-        runs = rundata.load(path, missing="a path in a study is relative to the study file",
-                            damaged="write it again")
+        runs = rundata.load(
+            path,
+            missing="a path in a study is relative to the study file",
+            damaged="write it again",
+        )
     except ResultsError as error:
         raise StudyError(f"cases '{name}': {error}") from None
     if "parameter" not in runs.coords or "status" not in runs:
-        raise StudyError(f"cases '{name}': {path} is not a dataset of runs: it lacks 'parameter' "
-                         "or 'status'; give a runs.nc, a CSV file or a study")
+        raise StudyError(
+            f"cases '{name}': {path} is not a dataset of runs: it lacks 'parameter' "
+            "or 'status'; give a runs.nc, a CSV file or a study"
+        )
     return from_runs(runs, name)
 
 
@@ -152,27 +180,41 @@ def from_runs(runs: xr.Dataset, name: str) -> Cases:
     rows = np.flatnonzero(runs["status"].values == "ok")
     if not len(rows):
         raise StudyError(f"cases '{name}': there is no finished run")
-    given = [*runs["parameter"].values.tolist(),
-             *(one for one in rundata.output_names(runs) if runs[one].ndim == 1)]
+    given = [
+        *runs["parameter"].values.tolist(),
+        *(one for one in rundata.output_names(runs) if runs[one].ndim == 1),
+    ]
     columns = {one: runs[one].values[rows] for one in given}
     stated = {one: runs[one].attrs["units"] for one in given if "units" in runs[one].attrs}
     if "fixed_inputs" in runs.attrs:
         fixed = rundata.described(runs, "fixed_inputs")
         columns |= {one: np.full(len(rows), value) for one, value in fixed.items()}
-        stated |= {one: unit for one, unit in rundata.described(runs, "fixed_units").items()
-                   if one in fixed}
-    return Cases(name, columns, tuple(f"run {row} of {name}" for row in rows),
-                 tuple(map(str, rows)), stated)
+        stated |= {
+            one: unit
+            for one, unit in rundata.described(runs, "fixed_units").items()
+            if one in fixed
+        }
+    return Cases(
+        name, columns, tuple(f"run {row} of {name}" for row in rows), tuple(map(str, rows)), stated
+    )
 
 
 def header(columns: Mapping[str, Any], name: str) -> Cases:
     """Cases without rows, of runs yet to come: columns is name -> with `unit`."""
-    return Cases(name, {one: np.array([]) for one in columns}, (), (),
-                 {one: what.unit for one, what in columns.items()})
+    return Cases(
+        name,
+        {one: np.array([]) for one in columns},
+        (),
+        (),
+        {one: what.unit for one, what in columns.items()},
+    )
 
 
 def lacking(cases: Cases, names: Iterable[str], what: str) -> list[str]:
     """A sentence for each name that the cases have no column for."""
     titles = [title for title in cases.columns if title != SUBJECT]
-    return [f"cases '{cases.name}' have no column for {what} '{name}'; {nearest(name, titles)}"
-            for name in names if name not in cases.columns]
+    return [
+        f"cases '{cases.name}' have no column for {what} '{name}'; {nearest(name, titles)}"
+        for name in names
+        if name not in cases.columns
+    ]

@@ -22,7 +22,8 @@ CONFIDENCE = 0.95
 DEFINITIONS = (
     "slope: regression through the origin, reference on x, model on y; r2: 1 - SSE / SST of the "
     "model as it stands; r2_correlation: squared correlation; errors: model minus reference; "
-    "limits of agreement: bias -+ 1.96 sd")
+    "limits of agreement: bias -+ 1.96 sd"
+)
 
 
 @dataclass(frozen=True)
@@ -36,9 +37,11 @@ class Fixed:
 
 def fixed_inputs(solver: Solver, space: Space, constants: Mapping[str, Any]) -> dict[str, Fixed]:
     """All inputs of the study's solver that are no parameters: constants and nominal values."""
-    return {name: Fixed(constants.get(name, one.nominal), one.unit, name in constants)
-            for name, one in solver.inputs.items()
-            if name not in space.names and (name in constants or one.nominal is not None)}
+    return {
+        name: Fixed(constants.get(name, one.nominal), one.unit, name in constants)
+        for name, one in solver.inputs.items()
+        if name not in space.names and (name in constants or one.nominal is not None)
+    }
 
 
 @dataclass(frozen=True)
@@ -61,13 +64,19 @@ class Validation:
 
 def outputs_in(cases: Cases, offered: Mapping[str, Any], wanted: Iterable[str]) -> tuple[str, ...]:
     """The scalar outputs to compare: those wanted, or all offered that the cases have."""
-    return tuple(wanted) or tuple(name for name, output in offered.items()
-                                  if name in cases.columns and not output.dims)
+    return tuple(wanted) or tuple(
+        name for name, output in offered.items() if name in cases.columns and not output.dims
+    )
 
 
-def validate(space: Space, fits: Mapping[str, Mapping[str, Fit]], cases: Cases,
-             outputs: Mapping[str, str], models: Mapping[str, Recipe] | None = None,
-             fixed: Mapping[str, Fixed] | None = None) -> xr.Dataset:
+def validate(
+    space: Space,
+    fits: Mapping[str, Mapping[str, Fit]],
+    cases: Cases,
+    outputs: Mapping[str, str],
+    models: Mapping[str, Recipe] | None = None,
+    fixed: Mapping[str, Fixed] | None = None,
+) -> xr.Dataset:
     """Every surrogate and model beside the cases.
 
     outputs    name -> unit
@@ -87,8 +96,10 @@ def validate(space: Space, fits: Mapping[str, Mapping[str, Fit]], cases: Cases,
     answers, notes = {}, _varied(cases, space, fixed or {})
     if inside.any():
         coded = space.encode({name: values[inside] for name, values in columns.items()})
-        answers = {name: {output: _of_fit(by[output], coded, inside)
-                          for output in outputs if output in by} for name, by in fits.items()}
+        answers = {
+            name: {output: _of_fit(by[output], coded, inside) for output in outputs if output in by}
+            for name, by in fits.items()
+        }
     for name, recipe in (models or {}).items():
         answers[name], said = _of_model(recipe, cases, inside, outputs, fixed or {})
         notes += [f"{name}: {words}" for words in said]
@@ -126,14 +137,18 @@ def _of_fit(fit: Fit, coded: np.ndarray, inside: np.ndarray) -> np.ndarray:
     return found
 
 
-def _of_model(recipe: Recipe, cases: Cases, inside: np.ndarray, outputs: Mapping[str, str],
-              fixed: Mapping[str, Fixed]) -> tuple[dict[str, np.ndarray], list[str]]:
+def _of_model(
+    recipe: Recipe,
+    cases: Cases,
+    inside: np.ndarray,
+    outputs: Mapping[str, str],
+    fixed: Mapping[str, Fixed],
+) -> tuple[dict[str, np.ndarray], list[str]]:
     """Values of each output that the model has, as (3, case), and what went wrong."""
     columns = cases.inputs(recipe.solver.inputs)
     kept = constants_for(recipe, fixed, columns)
     offered = recipe.solver.outputs
-    values = {name: np.full((3, len(cases.places)), np.nan) for name in outputs
-              if name in offered}
+    values = {name: np.full((3, len(cases.places)), np.nan) for name in outputs if name in offered}
     refused: list[str] = []
     asked = _calls(recipe, columns, kept, len(cases.places))
     for k in np.flatnonzero(inside):
@@ -149,14 +164,18 @@ def _of_model(recipe: Recipe, cases: Cases, inside: np.ndarray, outputs: Mapping
     return values, [f"no answer for case {', '.join(refused)}"] if refused else []
 
 
-def constants_for(recipe: Recipe, fixed: Mapping[str, Fixed],
-                  columns: Iterable[str]) -> dict[str, float | str]:
+def constants_for(
+    recipe: Recipe, fixed: Mapping[str, Fixed], columns: Iterable[str]
+) -> dict[str, float | str]:
     """The study's constants that a model takes and the cases do not give, in its units."""
     inputs = recipe.solver.inputs
-    return {name: one.value if inputs[name].levels else
-            units.conversion(one.unit, inputs[name].unit).place(one.value)
-            for name, one in fixed.items()
-            if one.stated and name in inputs and name not in columns}
+    return {
+        name: one.value
+        if inputs[name].levels
+        else units.conversion(one.unit, inputs[name].unit).place(one.value)
+        for name, one in fixed.items()
+        if one.stated and name in inputs and name not in columns
+    }
 
 
 def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]:
@@ -165,11 +184,14 @@ def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]
     for name, one in fixed.items():
         if name not in cases.columns:
             continue
-        there, here = _levels(cases, name, one) if isinstance(one.value, str) else \
-            _ends(cases, name, one)
+        there, here = (
+            _levels(cases, name, one) if isinstance(one.value, str) else _ends(cases, name, one)
+        )
         if there:
-            said.append(f"the cases have {name} {there}; the study fixes it at {here}, so what it "
-                        "changes counts as error of the surrogates")
+            said.append(
+                f"the cases have {name} {there}; the study fixes it at {here}, so what it "
+                "changes counts as error of the surrogates"
+            )
     return said
 
 
@@ -181,19 +203,26 @@ def _levels(cases: Cases, name: str, one: Fixed) -> tuple[str, str]:
 def _ends(cases: Cases, name: str, one: Fixed) -> tuple[str, str]:
     """The range that the cases have, "" when it is the fixed value, and that value."""
     values = cases.numbers(name, one.unit, gaps=True)
-    ends = dict.fromkeys(f"{end(values):.4g}" for end in (np.nanmin, np.nanmax)) \
-        if not np.allclose(values[np.isfinite(values)], one.value, rtol=1e-9) else ()
+    ends = (
+        dict.fromkeys(f"{end(values):.4g}" for end in (np.nanmin, np.nanmax))
+        if not np.allclose(values[np.isfinite(values)], one.value, rtol=1e-9)
+        else ()
+    )
     return f"{' to '.join(ends)} {one.unit}".strip() if ends else "", f"{one.value:.4g}"
 
 
 def _calls(recipe: Recipe, columns, constants, count: int) -> list[dict]:
     """The model's arguments for each case; the same ones when it takes no column at all."""
-    return calls(recipe, columns, constants) if columns else \
-        [{**{n: one.nominal for n, one in recipe.solver.inputs.items()}, **constants}] * count
+    return (
+        calls(recipe, columns, constants)
+        if columns
+        else [{**{n: one.nominal for n, one in recipe.solver.inputs.items()}, **constants}] * count
+    )
 
 
-def _dataset(cases: Cases, columns, outputs, reference, answers, inside, why, notes,
-             space: Space) -> xr.Dataset:
+def _dataset(
+    cases: Cases, columns, outputs, reference, answers, inside, why, notes, space: Space
+) -> xr.Dataset:
     names, dims = list(answers), ("model", "output")
     shape = (len(names), len(outputs))
     predicted = np.full((3, *shape, len(cases.places)), np.nan)
@@ -215,19 +244,36 @@ def _dataset(cases: Cases, columns, outputs, reference, answers, inside, why, no
         "units": ("output", np.array(list(outputs.values()), dtype=str)),
         "inside": ("case", inside, {"long_name": "inside of the ranges of the parameters"}),
         "outside": ("case", np.array(why, dtype=str), {"long_name": "what lies outside"}),
-        "coverage_95": (dims, figures.pop("coverage_95"), {
-            "long_name": "share of the reference values inside the 95 % intervals"}),
-        **{name: (dims, values, {"long_name": FIGURES[name][0]})
-           for name, values in figures.items()}}
+        "coverage_95": (
+            dims,
+            figures.pop("coverage_95"),
+            {"long_name": "share of the reference values inside the 95 % intervals"},
+        ),
+        **{
+            name: (dims, values, {"long_name": FIGURES[name][0]})
+            for name, values in figures.items()
+        },
+    }
     if cases.subjects is not None:
         variables["subject"] = ("case", cases.words("subject"))
-    variables |= {f"at_{name}": ("case", values, {"long_name": space[name].description or name,
-                                                  "units": space[name].unit})
-                  for name, values in columns.items()}
-    return xr.Dataset(variables, {"model": names, "output": list(outputs),
-                                  "case": np.array(cases.labels, dtype=str)},
-                      {"cases": cases.name, "definitions": DEFINITIONS, "notes": "\n".join(notes),
-                       "confidence": CONFIDENCE})
+    variables |= {
+        f"at_{name}": (
+            "case",
+            values,
+            {"long_name": space[name].description or name, "units": space[name].unit},
+        )
+        for name, values in columns.items()
+    }
+    return xr.Dataset(
+        variables,
+        {"model": names, "output": list(outputs), "case": np.array(cases.labels, dtype=str)},
+        {
+            "cases": cases.name,
+            "definitions": DEFINITIONS,
+            "notes": "\n".join(notes),
+            "confidence": CONFIDENCE,
+        },
+    )
 
 
 def _coverage(reference: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:

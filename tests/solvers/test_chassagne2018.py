@@ -18,9 +18,18 @@ def test_centre_is_the_mean():
     assert pressure() == pytest.approx(32.73, abs=1e-12)
 
 
-@pytest.mark.parametrize("name, effect", [
-    ("mu_skin", 2.7), ("tension", 11.54), ("leg_length", 2.85), ("alpha1", 4.54),
-    ("alpha2", 3.92), ("alpha3", -1.74), ("alpha4", -0.51)])
+@pytest.mark.parametrize(
+    "name, effect",
+    [
+        ("mu_skin", 2.7),
+        ("tension", 11.54),
+        ("leg_length", 2.85),
+        ("alpha1", 4.54),
+        ("alpha2", 3.92),
+        ("alpha3", -1.74),
+        ("alpha4", -0.51),
+    ],
+)
 def test_effect_of_each_parameter(name, effect):
     """Table III: from the centre to either end of the range."""
     low, high = solver.inputs[name].range
@@ -35,8 +44,9 @@ def test_variance_shares_of_the_published_coefficients():
     assert SLOPES["alpha1"] ** 2 / total == pytest.approx(0.109724, abs=1e-6)
 
 
-@pytest.mark.parametrize("name, value", [("tension", 0.2), ("mu_skin", -0.1),
-                                         ("alpha1", float("nan"))])
+@pytest.mark.parametrize(
+    "name, value", [("tension", 0.2), ("mu_skin", -0.1), ("alpha1", float("nan"))]
+)
 def test_outside_the_published_ranges(name, value):
     """The model is not extrapolated."""
     with pytest.raises(SolverError, match=f"{name}: .*not between"):

@@ -30,8 +30,10 @@ with open("out.dat", "w") as f:
 json.dump({"result": [{"w/max": max(w), "profile": [[a, b] for a, b in zip(x, w)]}]},
           open("out.json", "w"))
 """
-INPUTS = {"load": {"unit": "N", "nominal": 10, "range": [0, 100]},
-          "length": {"unit": "m", "nominal": 1.0, "range": [0.1, 3]}}
+INPUTS = {
+    "load": {"unit": "N", "nominal": 10, "range": [0, 100]},
+    "length": {"unit": "m", "nominal": 1.0, "range": [0.1, 3]},
+}
 X = {"x": {"from": 0, "to": 1, "count": 5}}
 
 
@@ -44,32 +46,48 @@ def folder(tmp_path):
 
 def beam(folder, **changed):
     """A cantilever with a tip load: w(x) = F (3 L x^2 - x^3) / 6, E I = 1."""
-    options = {"command": [sys.executable, "beam.py"], "inputs": INPUTS, "files": ["beam.py"],
-               "templates": {"beam.inp": "beam.template"},
-               "outputs": {"tip": {"unit": "m", "regex": r"tip = (\S+)"}}, "folder": folder}
+    options = {
+        "command": [sys.executable, "beam.py"],
+        "inputs": INPUTS,
+        "files": ["beam.py"],
+        "templates": {"beam.inp": "beam.template"},
+        "outputs": {"tip": {"unit": "m", "regex": r"tip = (\S+)"}},
+        "folder": folder,
+    }
     return Command(**{**options, **changed})
 
 
 def script(folder, text, **changed):
     """A program without inputs that runs the Python `text`."""
     (folder / "program.py").write_text(textwrap.dedent(text))
-    options = {"command": [sys.executable, "program.py"], "files": ["program.py"], "inputs": {},
-               "outputs": {"y": {"regex": r"y = (\S+)"}}, "folder": folder}
+    options = {
+        "command": [sys.executable, "program.py"],
+        "files": ["program.py"],
+        "inputs": {},
+        "outputs": {"y": {"regex": r"y = (\S+)"}},
+        "folder": folder,
+    }
     return Command(**{**options, **changed})
 
 
-@pytest.mark.parametrize("output, expected", [
-    ({"regex": r"tip = (\S+)"}, lambda w, x: w[-1]),
-    ({"file": "out.json", "pointer": "/result/0/w~1max"}, lambda w, x: w[-1]),
-    ({"file": "out.csv", "csv": {"column": "w", "row": -1}}, lambda w, x: w[-1]),
-    ({"file": "out.csv", "csv": {"column": 1, "row": 2}}, lambda w, x: w[2]),
-    ({"file": "out.dat", "table": {"column": 1, "skip": 2, "row": 3}}, lambda w, x: w[3]),
-    ({"file": "out.csv", "csv": {"column": "w"}, "dims": X}, lambda w, x: w),
-    ({"file": "out.dat", "table": {"column": 0, "skip": 2}, "dims": {"x": 5}}, lambda w, x: x),
-    ({"file": "out.json", "pointer": "/result/0/profile", "dims": {"x": 5, "k": [0, 1]}},
-     lambda w, x: np.column_stack([x, w])),
-    ({"regex": r"tip = (\S+)", "dims": {"iteration": 2}}, lambda w, x: [0.0, w[-1]]),
-    ({"file": "out.dat", "regex": r"^\s+0\.0+e\+00\s+(\S+)$"}, lambda w, x: 0.0)])
+@pytest.mark.parametrize(
+    "output, expected",
+    [
+        ({"regex": r"tip = (\S+)"}, lambda w, x: w[-1]),
+        ({"file": "out.json", "pointer": "/result/0/w~1max"}, lambda w, x: w[-1]),
+        ({"file": "out.csv", "csv": {"column": "w", "row": -1}}, lambda w, x: w[-1]),
+        ({"file": "out.csv", "csv": {"column": 1, "row": 2}}, lambda w, x: w[2]),
+        ({"file": "out.dat", "table": {"column": 1, "skip": 2, "row": 3}}, lambda w, x: w[3]),
+        ({"file": "out.csv", "csv": {"column": "w"}, "dims": X}, lambda w, x: w),
+        ({"file": "out.dat", "table": {"column": 0, "skip": 2}, "dims": {"x": 5}}, lambda w, x: x),
+        (
+            {"file": "out.json", "pointer": "/result/0/profile", "dims": {"x": 5, "k": [0, 1]}},
+            lambda w, x: np.column_stack([x, w]),
+        ),
+        ({"regex": r"tip = (\S+)", "dims": {"iteration": 2}}, lambda w, x: [0.0, w[-1]]),
+        ({"file": "out.dat", "regex": r"^\s+0\.0+e\+00\s+(\S+)$"}, lambda w, x: 0.0),
+    ],
+)
 def test_every_way_to_read_an_output(folder, output, expected):
     """Each reader gives the closed form to the last digit."""
     load, length = 0.1 + 0.2, 1.7
@@ -80,21 +98,28 @@ def test_every_way_to_read_an_output(folder, output, expected):
     assert isinstance(found, np.ndarray if "dims" in output else float)
 
 
-@pytest.mark.parametrize("output", [{"file": "out.csv", "csv": {"column": "y", "row": 0}},
-                                    {"file": "out.json", "pointer": "/y"}])
+@pytest.mark.parametrize(
+    "output",
+    [{"file": "out.csv", "csv": {"column": "y", "row": 0}}, {"file": "out.json", "pointer": "/y"}],
+)
 def test_a_byte_order_mark_is_no_part_of_the_answer(folder, output):
     """Programs on Windows write one before UTF-8."""
-    solver = script(folder, """
+    solver = script(
+        folder,
+        """
         open("out.csv", "w", encoding="utf-8-sig").write("y,z\\n1.5,2\\n")
         open("out.json", "w", encoding="utf-8-sig").write('{"y": 1.5}')
-        """, outputs={"y": output})
+        """,
+        outputs={"y": output},
+    )
     assert solver() == {"y": 1.5}
 
 
 def test_declares_the_contract(folder):
     """Inputs, outputs, dims and coordinates as the options say; nominal values fill in."""
-    solver = beam(folder, outputs={"w": {"unit": "mm", "file": "out.csv",
-                                         "csv": {"column": "w"}, "dims": X}})
+    solver = beam(
+        folder, outputs={"w": {"unit": "mm", "file": "out.csv", "csv": {"column": "w"}, "dims": X}}
+    )
     assert solver.inputs["load"].unit == "N" and solver.inputs["length"].range == (0.1, 3.0)
     assert solver.outputs["w"].dims == ("x",) and solver.outputs["w"].shape == (5,)
     np.testing.assert_array_equal(solver.outputs["w"].coordinates["x"], [0, 0.25, 0.5, 0.75, 1])
@@ -103,30 +128,41 @@ def test_declares_the_contract(folder):
 
 def test_text_command_with_placeholders(folder):
     """A text is split like a shell does; arguments may hold placeholders; no shell runs."""
-    solver = Command(command=f"'{sys.executable}' -c 'import sys; print(sys.argv[1:])' "
-                             "--load={{ load:.2f }} '$HOME; ls' {{ kind }}",
-                     inputs={"load": INPUTS["load"],
-                             "kind": {"levels": ["soft wood", "steel"], "nominal": "steel"}},
-                     outputs={"y": {"regex": r"--load=([\d.]+)', '\$HOME; ls', 'soft wood'"}})
+    solver = Command(
+        command=f"'{sys.executable}' -c 'import sys; print(sys.argv[1:])' "
+        "--load={{ load:.2f }} '$HOME; ls' {{ kind }}",
+        inputs={
+            "load": INPUTS["load"],
+            "kind": {"levels": ["soft wood", "steel"], "nominal": "steel"},
+        },
+        outputs={"y": {"regex": r"--load=([\d.]+)', '\$HOME; ls', 'soft wood'"}},
+    )
     assert solver(load=2.349, kind="soft wood") == {"y": 2.35}
 
 
 def test_own_delimiters_and_line_ends(folder):
     """Files that use {{ }} themselves; Windows line ends stay."""
     (folder / "t").write_bytes(b"{{ jinja }} <<load>>\r\nend\r\n")
-    solver = script(folder, "print('y =', open('sub/in.txt', 'rb').read().count(b'\\r\\n'), "
-                    "open('sub/in.txt').read())", templates={"sub/in.txt": "t"},
-                    inputs={"load": INPUTS["load"]}, delimiters=["<<", ">>"],
-                    outputs={"y": {"regex": r"y = (\S+)"},
-                             "load": {"regex": r"jinja \}\} (\S+)"}})
+    solver = script(
+        folder,
+        "print('y =', open('sub/in.txt', 'rb').read().count(b'\\r\\n'), open('sub/in.txt').read())",
+        templates={"sub/in.txt": "t"},
+        inputs={"load": INPUTS["load"]},
+        delimiters=["<<", ">>"],
+        outputs={"y": {"regex": r"y = (\S+)"}, "load": {"regex": r"jinja \}\} (\S+)"}},
+    )
     assert solver(load=7) == {"y": 2.0, "load": 7.0}
 
 
 def test_whole_numbers(folder):
     """`d` writes 3 for 3.0, and a fraction is an error rather than rounded."""
     (folder / "t").write_text("{{ n:d }}")
-    solver = script(folder, "print('y =', open('n').read())", templates={"n": "t"},
-                    inputs={"n": {"nominal": 3.0}})
+    solver = script(
+        folder,
+        "print('y =', open('n').read())",
+        templates={"n": "t"},
+        inputs={"n": {"nominal": 3.0}},
+    )
     assert solver(n=3.0) == {"y": 3.0}
     with pytest.raises(SolverError, match="n: 3.5 cannot be written as 'd'"):
         solver(n=3.5)
@@ -134,11 +170,14 @@ def test_whole_numbers(folder):
 
 def test_runs_are_apart_and_leave_nothing(folder):
     """Each run starts in an empty folder of its own, which is gone afterwards."""
-    solver = script(folder, """
+    solver = script(
+        folder,
+        """
         import os
         assert not os.path.exists("left"), "not empty"
         open("left", "w").close()
-        print("y =", len(os.listdir(".")))""")
+        print("y =", len(os.listdir(".")))""",
+    )
     before = set(os.listdir(folder))
     assert solver()["y"] == solver()["y"] == 4  # program, left, stdout.txt, stderr.txt
     assert set(os.listdir(folder)) == before
@@ -164,18 +203,26 @@ def test_program_beside_the_study_and_folders_of_files(folder):
     program.chmod(0o755)
     (folder / "mesh" / "a").mkdir(parents=True)
     (folder / "mesh" / "a" / "points").write_text("12")
-    solver = Command(command="./run.sh", inputs={}, outputs={"y": {"regex": r"y = (\S+)"}},
-                     files=["mesh"], folder=folder)
+    solver = Command(
+        command="./run.sh",
+        inputs={},
+        outputs={"y": {"regex": r"y = (\S+)"}},
+        files=["mesh"],
+        folder=folder,
+    )
     assert solver() == {"y": 12.0}
 
 
 def test_failed_run_says_the_last_words(folder):
     """Exit status, accepted ones, the last lines of both streams; earlier lines are left out."""
-    solver = script(folder, """
+    solver = script(
+        folder,
+        """
         import sys
         print("\\n".join(f"line {i}" for i in range(100)))
         print("Newton diverged", file=sys.stderr)
-        sys.exit(3)""")
+        sys.exit(3)""",
+    )
     with pytest.raises(SolverError) as caught:
         solver()
     said = str(caught.value)
@@ -197,22 +244,38 @@ def test_death_by_signal(folder):
         script(folder, text)()
 
 
-@pytest.mark.parametrize("text, output, said", [
-    ("print('y = 1')", {"file": "none.txt", "regex": "(.)"}, "did not write none.txt"),
-    ("print('z = 1')", {"regex": r"y = (\S+)"}, "y: in what the program printed nothing matches"),
-    ("print('y = abc')", {"regex": r"y = (\S+)"}, "'abc' is not a number"),
-    ("print('y = nan')", {"regex": r"y = (\S+)"}, "not finite"),
-    ("print('y = 1e999')", {"regex": r"y = (\S+)"}, "not finite"),
-    ("print('{\"a\": [1]}')", {"pointer": "/a/1"}, "no '1' on the way of /a/1; it has 1 items"),
-    ("print('{\"tipp\": 1}')", {"pointer": "/tip"}, "did you mean 'tipp'"),
-    ("print('{\"a\": 1}')", {"pointer": "/a/b"}, "it holds one value"),
-    ("print('{\"a\": null}')", {"pointer": "/a"}, "'None' is not a number"),
-    ("print('{')", {"pointer": "/a"}, "it is not JSON"),
-    ("print('a,b\\n1,2')", {"csv": {"column": "c", "row": 0}}, "no column 'c'; .*Allowed: a, b"),
-    ("print('a,b\\n1,2')", {"csv": {"column": "a", "row": 1}}, "no row 1; it has 1 rows"),
-    ("print('1 2')", {"table": {"column": 2, "row": 0}}, "no column 2 in the row '1 2'"),
-    ("print('1\\n2')", {"table": {"column": 0}, "dims": {"x": 3}}, "2 values where \\(3,\\) are"),
-    ("print('{\"a\": [1, 2]}')", {"pointer": "/a"}, "2 values where one is expected")])
+@pytest.mark.parametrize(
+    "text, output, said",
+    [
+        ("print('y = 1')", {"file": "none.txt", "regex": "(.)"}, "did not write none.txt"),
+        (
+            "print('z = 1')",
+            {"regex": r"y = (\S+)"},
+            "y: in what the program printed nothing matches",
+        ),
+        ("print('y = abc')", {"regex": r"y = (\S+)"}, "'abc' is not a number"),
+        ("print('y = nan')", {"regex": r"y = (\S+)"}, "not finite"),
+        ("print('y = 1e999')", {"regex": r"y = (\S+)"}, "not finite"),
+        ("print('{\"a\": [1]}')", {"pointer": "/a/1"}, "no '1' on the way of /a/1; it has 1 items"),
+        ("print('{\"tipp\": 1}')", {"pointer": "/tip"}, "did you mean 'tipp'"),
+        ("print('{\"a\": 1}')", {"pointer": "/a/b"}, "it holds one value"),
+        ("print('{\"a\": null}')", {"pointer": "/a"}, "'None' is not a number"),
+        ("print('{')", {"pointer": "/a"}, "it is not JSON"),
+        (
+            "print('a,b\\n1,2')",
+            {"csv": {"column": "c", "row": 0}},
+            "no column 'c'; .*Allowed: a, b",
+        ),
+        ("print('a,b\\n1,2')", {"csv": {"column": "a", "row": 1}}, "no row 1; it has 1 rows"),
+        ("print('1 2')", {"table": {"column": 2, "row": 0}}, "no column 2 in the row '1 2'"),
+        (
+            "print('1\\n2')",
+            {"table": {"column": 0}, "dims": {"x": 3}},
+            "2 values where \\(3,\\) are",
+        ),
+        ("print('{\"a\": [1, 2]}')", {"pointer": "/a"}, "2 values where one is expected"),
+    ],
+)
 def test_outputs_that_cannot_be_read(folder, text, output, said):
     """The sentence names the output, the place and what is there instead."""
     with pytest.raises(SolverError, match=said):
@@ -252,8 +315,10 @@ def test_nothing_survives_a_run(folder, last, timeout):
     solver = script(folder, CHILDREN.format(pids=str(pids), last=last), timeout=timeout)
     start = time.monotonic()
     if last:
-        with pytest.raises(SolverError, match="stopped after 1.5 s; raise timeout and run with "
-                                              "--retry-failed(?s:.)*y = 1"):
+        with pytest.raises(
+            SolverError,
+            match="stopped after 1.5 s; raise timeout and run with --retry-failed(?s:.)*y = 1",
+        ):
             solver()
     else:
         assert solver() == {"y": 1.0}
@@ -266,10 +331,16 @@ def test_nothing_survives_the_death_of_the_caller(folder):
     """When the calling process is killed with -9, the program and its children end too."""
     pids = folder / "pids"
     script(folder, CHILDREN.format(pids=str(pids), last="time.sleep(60)"))
-    caller = subprocess.Popen([sys.executable, "-c", textwrap.dedent(f"""
+    caller = subprocess.Popen(
+        [
+            sys.executable,
+            "-c",
+            textwrap.dedent(f"""
         from surrogate_solvers.command import Command
         Command(command=[{sys.executable!r}, "program.py"], files=["program.py"], inputs={{}},
-                outputs={{"y": {{"regex": "y = (.)"}}}}, folder={str(folder)!r})()""")])
+                outputs={{"y": {{"regex": "y = (.)"}}}}, folder={str(folder)!r})()"""),
+        ]
+    )
     end = time.monotonic() + 20
     while not (pids.exists() and pids.read_text().count(" ")) and time.monotonic() < end:
         time.sleep(0.05)
@@ -307,8 +378,9 @@ def test_own_program_belongs_to_the_version(folder):
     program = folder / "run.sh"
     program.write_text("#!/bin/sh\necho y = 1\n")
     program.chmod(0o755)
-    options = dict(command="./run.sh", inputs={}, outputs={"y": {"regex": "y = (.)"}},
-                   folder=folder)
+    options = dict(
+        command="./run.sh", inputs={}, outputs={"y": {"regex": "y = (.)"}}, folder=folder
+    )
     first = Command(**options).version
     program.write_text("#!/bin/sh\necho y = 2\n")
     assert Command(**options).version != first
@@ -318,52 +390,79 @@ def test_all_mistakes_at_once(folder):
     """Unknown words, wrong types and what does not fit together in one StudyError."""
     (folder / "bad.template").write_text("a = {{ laod }}\nb = {{ load:q }}\n")
     with pytest.raises(StudyError) as caught:
-        Command(command="no-such-program --x", templates={"in": "bad.template", "b": "none"},
-                inputs={"load": {"unit": "Nn", "range": [3, 1], "nominall": 2},
-                        "size": {"nominal": 5, "range": [0, 1]},
-                        "kind": {"levels": ["a", "b"], "nominal": "c"}},
-                outputs={"y": {"regex": "(", "pointer": "/a"}, "z": {},
-                         "w": {"csv": {"column": "w"}}, "v": {"table": {"column": "v", "row": 0}},
-                         "u": {"regex": "(a)(b)"}, "t": {"pointer": "a", "file": "../t"}},
-                files=["none.msh"], exit_codes=[], timeout="soon", folder=folder)
+        Command(
+            command="no-such-program --x",
+            templates={"in": "bad.template", "b": "none"},
+            inputs={
+                "load": {"unit": "Nn", "range": [3, 1], "nominall": 2},
+                "size": {"nominal": 5, "range": [0, 1]},
+                "kind": {"levels": ["a", "b"], "nominal": "c"},
+            },
+            outputs={
+                "y": {"regex": "(", "pointer": "/a"},
+                "z": {},
+                "w": {"csv": {"column": "w"}},
+                "v": {"table": {"column": "v", "row": 0}},
+                "u": {"regex": "(a)(b)"},
+                "t": {"pointer": "a", "file": "../t"},
+            },
+            files=["none.msh"],
+            exit_codes=[],
+            timeout="soon",
+            folder=folder,
+        )
     said = "\n".join(caught.value.mistakes)
-    for part in ["program 'no-such-program' is not found or not executable on the PATH",
-                 "inputs.load.nominall: is unknown; did you mean 'nominal'",
-                 "inputs.load.unit: 'Nn' is not a unit",
-                 "inputs.load.range: [3, 1] is upside down",
-                 "inputs.size.nominal: 5 lies outside range [0, 1]",
-                 "inputs.kind.nominal: 'c' is not a level",
-                 "bad.template:1: '{{ laod }}' names no input; did you mean 'load'",
-                 "bad.template:2: '{{ load:q }}' has a format that does not work",
-                 "none does not exist", "none.msh does not exist", "exit_codes: is empty",
-                 "timeout: 'soon' is not a time", "outputs.y: give one of", "(2 given)",
-                 "outputs.z: give one of", "(0 given)", "is not a regular expression",
-                 "outputs.w: give either row", "outputs.v: column 'v' needs header: true",
-                 "has 2 groups", "outputs.t.pointer: 'a' must start with /",
-                 "'../t' must lie in the working folder"]:
+    for part in [
+        "program 'no-such-program' is not found or not executable on the PATH",
+        "inputs.load.nominall: is unknown; did you mean 'nominal'",
+        "inputs.load.unit: 'Nn' is not a unit",
+        "inputs.load.range: [3, 1] is upside down",
+        "inputs.size.nominal: 5 lies outside range [0, 1]",
+        "inputs.kind.nominal: 'c' is not a level",
+        "bad.template:1: '{{ laod }}' names no input; did you mean 'load'",
+        "bad.template:2: '{{ load:q }}' has a format that does not work",
+        "none does not exist",
+        "none.msh does not exist",
+        "exit_codes: is empty",
+        "timeout: 'soon' is not a time",
+        "outputs.y: give one of",
+        "(2 given)",
+        "outputs.z: give one of",
+        "(0 given)",
+        "is not a regular expression",
+        "outputs.w: give either row",
+        "outputs.v: column 'v' needs header: true",
+        "has 2 groups",
+        "outputs.t.pointer: 'a' must start with /",
+        "'../t' must lie in the working folder",
+    ]:
         assert part in said, part
 
 
-@pytest.mark.parametrize("changed, said", [
-    ({"inputs": {**INPUTS, "width": {}}}, "inputs.width: is used nowhere"),
-    ({"inputs": {**INPUTS, "a b": {}}}, "inputs.a b: a name has letters"),
-    ({"inputs": {"load": {"nominal": "ten"}, "length": {}}}, "'ten' is not a number"),
-    ({"command": []}, "command: is empty"),
-    ({"command": "echo 'a"}, "cannot be split"),
-    ({"command": "./none"}, "'./none' is not found or not executable relative to"),
-    ({"outputs": {}}, "outputs: is empty"),
-    ({"outputs": {"y": {"regexp": "y"}}}, "outputs.y.regexp: is unknown; did you mean 'regex'"),
-    ({"outputs": {"y": {"csv": {"colum": 1}}}}, "outputs.y.csv.column: is needed"),
-    ({"outputs": {"y": {"regex": "y", "dims": {"y": 3}}}}, "must be a name of its own"),
-    ({"outputs": {"y": {"regex": "y", "dims": {"x": []}}}}, "dims.x: needs at least one"),
-    ({"timeout": -1}, "timeout: -1 s must be above 0"),
-    ({"timeout": "3 m"}, "timeout: '3 m' is not a time"),
-    ({"templates": {"stdout.txt": "beam.template"}}, "the program's own words"),
-    ({"templates": {"/etc/x": "beam.template"}}, "must lie in the working folder"),
-    ({"files": ["beam.py", "./beam.py"]}, "two of them have the same name"),
-    ({"files": {"beam.inp": "beam.py"}}, "'beam.inp' is made from a template already"),
-    ({"delimiters": ["", ""]}, "must be two different texts"),
-    ({"delimiters": ["|", "|"]}, "must be two different texts")])
+@pytest.mark.parametrize(
+    "changed, said",
+    [
+        ({"inputs": {**INPUTS, "width": {}}}, "inputs.width: is used nowhere"),
+        ({"inputs": {**INPUTS, "a b": {}}}, "inputs.a b: a name has letters"),
+        ({"inputs": {"load": {"nominal": "ten"}, "length": {}}}, "'ten' is not a number"),
+        ({"command": []}, "command: is empty"),
+        ({"command": "echo 'a"}, "cannot be split"),
+        ({"command": "./none"}, "'./none' is not found or not executable relative to"),
+        ({"outputs": {}}, "outputs: is empty"),
+        ({"outputs": {"y": {"regexp": "y"}}}, "outputs.y.regexp: is unknown; did you mean 'regex'"),
+        ({"outputs": {"y": {"csv": {"colum": 1}}}}, "outputs.y.csv.column: is needed"),
+        ({"outputs": {"y": {"regex": "y", "dims": {"y": 3}}}}, "must be a name of its own"),
+        ({"outputs": {"y": {"regex": "y", "dims": {"x": []}}}}, "dims.x: needs at least one"),
+        ({"timeout": -1}, "timeout: -1 s must be above 0"),
+        ({"timeout": "3 m"}, "timeout: '3 m' is not a time"),
+        ({"templates": {"stdout.txt": "beam.template"}}, "the program's own words"),
+        ({"templates": {"/etc/x": "beam.template"}}, "must lie in the working folder"),
+        ({"files": ["beam.py", "./beam.py"]}, "two of them have the same name"),
+        ({"files": {"beam.inp": "beam.py"}}, "'beam.inp' is made from a template already"),
+        ({"delimiters": ["", ""]}, "must be two different texts"),
+        ({"delimiters": ["|", "|"]}, "must be two different texts"),
+    ],
+)
 def test_mistakes(folder, changed, said):
     """One sentence each."""
     with pytest.raises(StudyError) as caught:
@@ -371,10 +470,14 @@ def test_mistakes(folder, changed, said):
     assert said in "\n".join(caught.value.mistakes)
 
 
-@pytest.mark.parametrize("values, said", [
-    ({"load": 101}, "load: 101 N is not between 0 and 100"),
-    ({"load": float("nan")}, "load: nan N is not between"),
-    ({"laod": 1}, "input 'laod' is unknown; did you mean 'load'")])
+@pytest.mark.parametrize(
+    "values, said",
+    [
+        ({"load": 101}, "load: 101 N is not between 0 and 100"),
+        ({"load": float("nan")}, "load: nan N is not between"),
+        ({"laod": 1}, "input 'laod' is unknown; did you mean 'load'"),
+    ],
+)
 def test_points_without_an_answer(folder, values, said):
     """Outside the declared range, or unknown."""
     with pytest.raises(SolverError, match=said):
@@ -387,8 +490,9 @@ def test_picklable(folder):
     assert solver(load=3.0, length=1.0)["tip"] == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("text, value", [("1.5D+03", 1500.0), ("-2.d-1", -0.2), ("1e5", 1e5),
-                                         (" 7 ", 7.0), (3, 3.0)])
+@pytest.mark.parametrize(
+    "text, value", [("1.5D+03", 1500.0), ("-2.d-1", -0.2), ("1e5", 1e5), (" 7 ", 7.0), (3, 3.0)]
+)
 def test_numbers(text, value):
     """Fortran writes D for the exponent."""
     assert readers.number(text) == value

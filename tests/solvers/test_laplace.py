@@ -42,8 +42,9 @@ def test_proportional_to_tension_and_layers(solver):
     double = solver(**NOMINAL | {"tension": 2 * NOMINAL["tension"]})
     for name in ("pressure_b1", "pressure_around_b1"):
         np.testing.assert_allclose(double[name], 2 * np.asarray(base[name]), rtol=1e-12)
-        np.testing.assert_allclose(Laplace(layers=3)(**NOMINAL)[name],
-                                   1.5 * np.asarray(base[name]), rtol=1e-12)
+        np.testing.assert_allclose(
+            Laplace(layers=3)(**NOMINAL)[name], 1.5 * np.asarray(base[name]), rtol=1e-12
+        )
 
 
 def test_inverse_to_size_at_constant_shape(solver):
@@ -83,9 +84,16 @@ def test_disc_mean_is_the_fine_mean(solver):
     assert solver(**NOMINAL)["pressure_b1"] == pytest.approx(fine, abs=1e-3)
 
 
-@pytest.mark.parametrize("name, low, high", [
-    ("leg_length", 185, 290), ("alpha1", -0.92, -0.5), ("alpha2", -0.07, 0.12),
-    ("alpha3", -0.09, 0.07), ("alpha4", -0.031, 0.034)])
+@pytest.mark.parametrize(
+    "name, low, high",
+    [
+        ("leg_length", 185, 290),
+        ("alpha1", -0.92, -0.5),
+        ("alpha2", -0.07, 0.12),
+        ("alpha3", -0.09, 0.07),
+        ("alpha4", -0.031, 0.034),
+    ],
+)
 def test_smooth_in_every_shape_input(solver, name, low, high):
     """41 steps of one input: scatter about a sixth-degree polynomial below 0.1 mmHg."""
     coded = np.linspace(-1, 1, 41)

@@ -23,10 +23,19 @@ from surrogate_solvers.textbook import (
     WingWeight,
 )
 
-FACTS = json.loads((Path(__file__).parents[1] / "reference" / "sobol_indices.json")
-                   .read_text(encoding="utf-8"))["sobol_indices"]
-EVERY = [Ishigami(), SobolG(), Borehole(), Piston(), OTLCircuit(), WingWeight(),
-         MorrisFunction(), Cantilever()]
+FACTS = json.loads(
+    (Path(__file__).parents[1] / "reference" / "sobol_indices.json").read_text(encoding="utf-8")
+)["sobol_indices"]
+EVERY = [
+    Ishigami(),
+    SobolG(),
+    Borehole(),
+    Piston(),
+    OTLCircuit(),
+    WingWeight(),
+    MorrisFunction(),
+    Cantilever(),
+]
 
 
 def rule(given, order, panels=1):
@@ -39,8 +48,7 @@ def rule(given, order, panels=1):
 
 def mean_and_variance(solver, output, order, panels=1, **orders):
     """Tensor Gauss quadrature over all inputs, uniform; `orders` of single inputs differ."""
-    rules = [rule(given, orders.get(name, order), panels)
-             for name, given in solver.inputs.items()]
+    rules = [rule(given, orders.get(name, order), panels) for name, given in solver.inputs.items()]
     grid = np.meshgrid(*(nodes for nodes, _ in rules), indexing="ij", sparse=True)
     values = solver(**dict(zip(solver.inputs, grid, strict=True)))[output]
     values = np.broadcast_to(values, [len(nodes) for nodes, _ in rules])
@@ -64,11 +72,15 @@ def test_every_solver_keeps_the_contract(solver):
     assert all(np.isfinite(value) and np.ndim(value) == 0 for value in answer.values())
 
 
-@pytest.mark.parametrize(("name", "solver", "orders", "tolerance"), [
-    ("ishigami", Ishigami(), {"order": 20}, 1e-12),
-    ("borehole", Borehole(), {"order": 4, "rw": 8, "r": 16}, 2e-6),
-    ("piston", Piston(), {"order": 6}, 2e-6),
-    ("sobol_g", SobolG(), {"order": 2, "panels": 2}, 1e-12)])
+@pytest.mark.parametrize(
+    ("name", "solver", "orders", "tolerance"),
+    [
+        ("ishigami", Ishigami(), {"order": 20}, 1e-12),
+        ("borehole", Borehole(), {"order": 4, "rw": 8, "r": 16}, 2e-6),
+        ("piston", Piston(), {"order": 6}, 2e-6),
+        ("sobol_g", SobolG(), {"order": 2, "panels": 2}, 1e-12),
+    ],
+)
 def test_mean_and_variance_are_the_exact_ones(name, solver, orders, tolerance):
     """Quadrature against the stored figures, which claim 1.3e-6 for the borehole.
 
@@ -118,21 +130,29 @@ def test_wing_weight_mean_factors_into_single_integrals():
             mean *= weights @ solver(**{**nominal, name: nodes})["weight"] / at_nominal
     mean += solver.inputs["Sw"].nominal * solver.inputs["Wp"].nominal
     drawn = np.random.default_rng(0).random((200_000, 10))
-    points = {name: given.range[0] + drawn[:, j] * np.diff(given.range)
-              for j, (name, given) in enumerate(solver.inputs.items())}
+    points = {
+        name: given.range[0] + drawn[:, j] * np.diff(given.range)
+        for j, (name, given) in enumerate(solver.inputs.items())
+    }
     sample = solver(**points)["weight"]
     assert abs(sample.mean() - mean) < 4.0 * sample.std() / np.sqrt(len(sample))
 
 
-@pytest.mark.parametrize(("solver", "at_quarter", "at_three_quarters"), [
-    (OTLCircuit(), 5.202493584049977, 5.390762339807683),
-    (WingWeight(), 209.59317550318315, 333.69705129273933),
-    (Piston(), 0.4801153548050284, 0.4484102559434381)])
+@pytest.mark.parametrize(
+    ("solver", "at_quarter", "at_three_quarters"),
+    [
+        (OTLCircuit(), 5.202493584049977, 5.390762339807683),
+        (WingWeight(), 209.59317550318315, 333.69705129273933),
+        (Piston(), 0.4801153548050284, 0.4484102559434381),
+    ],
+)
 def test_values_agree_with_another_program(solver, at_quarter, at_three_quarters):
     """UQTestFuns 0.7.0 at 1/4 and 3/4 of every range."""
     for part, expected in ((0.25, at_quarter), (0.75, at_three_quarters)):
-        point = {name: given.range[0] + part * (given.range[1] - given.range[0])
-                 for name, given in solver.inputs.items()}
+        point = {
+            name: given.range[0] + part * (given.range[1] - given.range[0])
+            for name, given in solver.inputs.items()
+        }
         assert next(iter(solver(**point).values())) == pytest.approx(expected, rel=1e-13)
 
 
@@ -142,19 +162,26 @@ def test_morris_function_is_its_sum_over_all_subsets():
         w = 2.0 * (x - 0.5)
         w[[2, 4, 6]] = 2.0 * (1.1 * x[[2, 4, 6]] / (x[[2, 4, 6]] + 0.1) - 0.5)
         expected = sum((20.0 if i < 10 else (-1.0) ** (i + 1)) * w[i] for i in range(20))
-        expected += sum((-15.0 if j < 6 else (-1.0) ** (i + j)) * w[i] * w[j]
-                        for i, j in combinations(range(20), 2))
+        expected += sum(
+            (-15.0 if j < 6 else (-1.0) ** (i + j)) * w[i] * w[j]
+            for i, j in combinations(range(20), 2)
+        )
         expected -= 10.0 * sum(np.prod(w[list(s)]) for s in combinations(range(5), 3))
         expected += 5.0 * np.prod(w[:4])
         answer = MorrisFunction()(**{f"x{i + 1}": value for i, value in enumerate(x)})["y"]
         assert answer == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize(("output", "powers", "scale"), [
-    ("deflection", {"load": 1, "length": 3, "modulus": -1, "width": -1, "height": -3}, 4e6),
-    ("stress", {"load": 1, "length": 1, "modulus": 0, "width": -1, "height": -2}, 6e3)])
+@pytest.mark.parametrize(
+    ("output", "powers", "scale"),
+    [
+        ("deflection", {"load": 1, "length": 3, "modulus": -1, "width": -1, "height": -3}, 4e6),
+        ("stress", {"load": 1, "length": 1, "modulus": 0, "width": -1, "height": -2}, 6e3),
+    ],
+)
 def test_cantilever_has_the_moments_of_a_product_of_powers(output, powers, scale):
     """E prod x_j^p_j = prod E x_j^p_j: 4 F L^3 / (E b h^3) and 6 F L / (b h^2)."""
+
     def moment(power):
         total = scale**power
         for name, p in powers.items():

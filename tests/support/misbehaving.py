@@ -13,8 +13,26 @@ import numpy as np
 from surrogate.errors import SolverError
 from surrogate.solver import Input, Output
 
-WAYS = ("well", "refuse", "raise", "sys_exit", "nan", "nan_field", "shape", "text", "complex",
-        "missing", "nothing", "exit", "segfault", "kill", "hang", "hang_in_c", "child", "flaky")
+WAYS = (
+    "well",
+    "refuse",
+    "raise",
+    "sys_exit",
+    "nan",
+    "nan_field",
+    "shape",
+    "text",
+    "complex",
+    "missing",
+    "nothing",
+    "exit",
+    "segfault",
+    "kill",
+    "hang",
+    "hang_in_c",
+    "child",
+    "flaky",
+)
 
 
 class Misbehaving:
@@ -25,10 +43,15 @@ class Misbehaving:
     """
 
     version = "1"
-    inputs = {"x": Input(unit="mm", nominal=1.0), "offset": Input(unit="mm^2", nominal=0.0),
-              "way": Input(levels=WAYS, nominal="well")}
-    outputs = {"square": Output(unit="mm^2", description="x squared"),
-               "ramp": Output(unit="mm", dims=("place",), coordinates={"place": np.arange(3.0)})}
+    inputs = {
+        "x": Input(unit="mm", nominal=1.0),
+        "offset": Input(unit="mm^2", nominal=0.0),
+        "way": Input(levels=WAYS, nominal="well"),
+    }
+    outputs = {
+        "square": Output(unit="mm^2", description="x squared"),
+        "ramp": Output(unit="mm", dims=("place",), coordinates={"place": np.arange(3.0)}),
+    }
 
     def __init__(self, diary=None, pause=0.0, deterministic=True):
         self.diary, self.pause, self.deterministic = diary, pause, deterministic
@@ -129,6 +152,7 @@ class Threads:
 
     def __call__(self, x):
         from threadpoolctl import threadpool_info
+
         limits = [pool["num_threads"] for pool in threadpool_info()]
         return {"limit": max(limits), "variable": float(os.environ["OMP_NUM_THREADS"])}
 

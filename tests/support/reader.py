@@ -5,8 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
 
-VOID = {"meta", "link", "br", "hr", "img", "input", "area", "base", "col", "embed", "source",
-        "track", "wbr"}
+VOID = {
+    "meta",
+    "link",
+    "br",
+    "hr",
+    "img",
+    "input",
+    "area",
+    "base",
+    "col",
+    "embed",
+    "source",
+    "track",
+    "wbr",
+}
 
 
 @dataclass
@@ -24,8 +37,9 @@ class Element:
         for child in self.children:
             if not isinstance(child, Element):
                 continue
-            if name in ("", child.name) and all(child.attributes.get(key) == value
-                                                for key, value in wanted.items()):
+            if name in ("", child.name) and all(
+                child.attributes.get(key) == value for key, value in wanted.items()
+            ):
                 yield child
             yield from child.all(name, **attributes)
 

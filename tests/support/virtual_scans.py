@@ -24,8 +24,14 @@ def whole_leg():
         return stored["vertices"] / 50.0, stored["triangles"].astype(int)
 
 
-def leg_mesh(leg: Leg, low: float = 0.0, high: float | None = None, foot: bool = False,
-             levels: int = 160, around: int = 120):
+def leg_mesh(
+    leg: Leg,
+    low: float = 0.0,
+    high: float | None = None,
+    foot: bool = False,
+    levels: int = 160,
+    around: int = 120,
+):
     """The skin from low to high, mm; below z = 0 it may widen to a foot, above L to a thigh.
 
     A foot is 1 + (s / 45)^2 times as wide s mm under the ankle, a knee sinks by 4 % and a
@@ -41,22 +47,27 @@ def leg_mesh(leg: Leg, low: float = 0.0, high: float | None = None, foot: bool =
     if foot:
         wider += (np.maximum(-z, 0) / 45) ** 2
         above = np.maximum(z - leg.length, 0)
-        wider += -0.04 * np.sin(np.pi * np.minimum(above / 80, 1)) ** 2 + 0.4 * np.maximum(
-            above - 80, 0) / 200
-    points = centre + (points - centre) * np.append(np.ones(2), 0) * wider[:, None, None] + (
-        points - centre) * [0, 0, 1]
+        wider += (
+            -0.04 * np.sin(np.pi * np.minimum(above / 80, 1)) ** 2
+            + 0.4 * np.maximum(above - 80, 0) / 200
+        )
+    points = (
+        centre
+        + (points - centre) * np.append(np.ones(2), 0) * wider[:, None, None]
+        + (points - centre) * [0, 0, 1]
+    )
     corner = np.arange(levels * around).reshape(levels, around)
     right = np.roll(corner, -1, axis=1)
     a, b, c, d = (x.ravel() for x in (corner[:-1], right[:-1], right[1:], corner[1:]))
-    return points.reshape(-1, 3), np.concatenate([np.column_stack([a, b, c]),
-                                                  np.column_stack([a, c, d])])
+    return points.reshape(-1, 3), np.concatenate(
+        [np.column_stack([a, b, c]), np.column_stack([a, c, d])]
+    )
 
 
 def truth(leg: Leg, basis, low: float, high: float):
     """Alphas of the part of a leg between two heights, without any mesh."""
     numbers = leg.numbers(np.linspace(low, high, 100))
-    return basis.project(snapshot(numbers[:, :11], numbers[:, 11:] - numbers[0, 11:],
-                                  high - low))
+    return basis.project(snapshot(numbers[:, :11], numbers[:, 11:] - numbers[0, 11:], high - low))
 
 
 def moved(vertices, seed=None, scale=1.0, mirror=False):

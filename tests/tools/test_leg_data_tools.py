@@ -17,8 +17,9 @@ def tools_on_path():
 
 
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
-QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4],
-                  [1, 5, 7, 3]])
+QUADS = np.array(
+    [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+)
 
 
 def test_first_subdivision_of_a_cube():
@@ -28,8 +29,9 @@ def test_first_subdivision_of_a_cube():
     operator, quads = catmull_clark(QUADS, 8)
     points = operator @ CORNERS
     np.testing.assert_allclose(np.abs(points[:8]), 5 / 9)
-    np.testing.assert_allclose(np.sort(np.abs(points[8:20]), axis=1), [[0, 0.75, 0.75]] * 12,
-                               atol=1e-15)
+    np.testing.assert_allclose(
+        np.sort(np.abs(points[8:20]), axis=1), [[0, 0.75, 0.75]] * 12, atol=1e-15
+    )
     np.testing.assert_allclose(np.abs(points[20:]).sum(axis=1), 1)
     assert quads.shape == (24, 4)
 

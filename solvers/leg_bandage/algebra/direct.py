@@ -122,8 +122,12 @@ class SuperLU:
 
     def _decompose(self, matrix: csc_array, order: str):
         try:
-            return splu(matrix.astype(self._precision), permc_spec=order, diag_pivot_thresh=0.0,
-                        options={"SymmetricMode": True})
+            return splu(
+                matrix.astype(self._precision),
+                permc_spec=order,
+                diag_pivot_thresh=0.0,
+                options={"SymmetricMode": True},
+            )
         except RuntimeError as error:
             raise SolverError(_singular(error)) from error
 
@@ -160,13 +164,33 @@ class Pardiso:
         """MKL's `pardiso`; pypardiso's own call would number the pattern from one each time."""
         engine, rhs = self._engine, rhs.astype(self._values.dtype)
         answer, failed = np.zeros_like(rhs), np.zeros(1, np.int32)
-        one, kind, stage, size, quiet = np.array([[1], [engine.mtype], [phase], [len(rhs)], [0]],
-                                                 np.int32)
-        given = (engine.pt, one, one, kind, stage, size, self._values, *self._from_one,
-                 engine.perm, one, engine.iparm, quiet, rhs, answer, failed)
+        one, kind, stage, size, quiet = np.array(
+            [[1], [engine.mtype], [phase], [len(rhs)], [0]], np.int32
+        )
+        given = (
+            engine.pt,
+            one,
+            one,
+            kind,
+            stage,
+            size,
+            self._values,
+            *self._from_one,
+            engine.perm,
+            one,
+            engine.iparm,
+            quiet,
+            rhs,
+            answer,
+            failed,
+        )
         pardiso = engine._mkl_pardiso
-        pardiso(*(array.ctypes.data_as(pointer)
-                  for array, pointer in zip(given, pardiso.argtypes, strict=True)))
+        pardiso(
+            *(
+                array.ctypes.data_as(pointer)
+                for array, pointer in zip(given, pardiso.argtypes, strict=True)
+            )
+        )
         if failed[0]:
             raise SolverError(_singular(f"Pardiso's error {failed[0]}"))
         return answer

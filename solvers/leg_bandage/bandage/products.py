@@ -24,9 +24,22 @@ NOMINAL = Fabric(
     K1=0.098 / 0.3, K2=0.3, nu12=0.2, G=0.05, F1=0.05, F2=0.05, tau12=0.02, thickness=0.7
 )
 
-CURVED: Curve = ((1.0, 0.0), (1.05, 0.27), (1.1, 0.49), (1.15, 0.65), (1.2, 0.78), (1.25, 0.89),
-                 (1.3, 1.0), (1.35, 1.10), (1.4, 1.20), (1.45, 1.30), (1.5, 1.40), (1.6, 1.62),
-                 (1.8, 2.16), (2.0, 2.90))
+CURVED: Curve = (
+    (1.0, 0.0),
+    (1.05, 0.27),
+    (1.1, 0.49),
+    (1.15, 0.65),
+    (1.2, 0.78),
+    (1.25, 0.89),
+    (1.3, 1.0),
+    (1.35, 1.10),
+    (1.4, 1.20),
+    (1.45, 1.30),
+    (1.5, 1.40),
+    (1.6, 1.62),
+    (1.8, 2.16),
+    (2.0, 2.90),
+)
 """(stretch, tension over the tension at stretch 1.3) of a long-stretch bandage: assumed.
 
 Its slope is 1.6 times the secant's at the start, 0.6 of it from 1.3 to 1.5, and rises from
@@ -44,7 +57,7 @@ ASSUMED: Mapping[str, str] = {
     "tau12": "assumed: that of an isotropic sheet with the same bending, rounded",
     "thickness": "assumed",
     "curve": "assumed: a shape with an inflexion, as tension curves of elastic bandages have "
-             "(doi 10.1177/0040517519833969); its sizes are a guess",
+    "(doi 10.1177/0040517519833969); its sizes are a guess",
 }
 
 
@@ -86,8 +99,10 @@ def bandage(name: str) -> Bandage:
 
 
 def _within_range(tension: float, place: str) -> Bandage:
-    ground = f"assumed: {place} of the range 0.059..0.137 N/mm that Chassagne et al. 2018 " \
-             "print for the two bandages together"
+    ground = (
+        f"assumed: {place} of the range 0.059..0.137 N/mm that Chassagne et al. 2018 "
+        "print for the two bandages together"
+    )
     return Bandage(at_tension(tension), {"K1": ground, **ASSUMED})
 
 

@@ -116,9 +116,7 @@ class Contact:
         residual = np.zeros(u.size)
         for c in range(3):
             share = -weights[:, 0] * (force[:, c] * self.points.area)[:, None]
-            residual[c::3] = np.bincount(
-                nodes.ravel(), share.ravel(), minlength=u.size // 3
-            )
+            residual[c::3] = np.bincount(nodes.ravel(), share.ravel(), minlength=u.size // 3)
         return residual, tangent
 
     # -- load steps --------------------------------------------------------------------
@@ -263,7 +261,8 @@ class Contact:
         self.offset[:n] = old.offset[:n]
         for mine, theirs in zip(
             (self.current.xi, self.current.anchor, self.current.w),
-            (old.current.xi, old.current.anchor, old.current.w), strict=True,
+            (old.current.xi, old.current.anchor, old.current.w),
+            strict=True,
         ):
             mine[:n] = theirs[:n]
         self.rebuild()

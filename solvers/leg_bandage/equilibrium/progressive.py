@@ -37,8 +37,9 @@ def deformed_skin(mesh: LegMesh, u: np.ndarray):
     return surface
 
 
-def wrap_and_solve(mesh: LegMesh, laid: Lay, wrap: Wrap, watch=None, **more) -> tuple[
-        Model, np.ndarray]:
+def wrap_and_solve(
+    mesh: LegMesh, laid: Lay, wrap: Wrap, watch=None, **more
+) -> tuple[Model, np.ndarray]:
     """Wrap on the deforming leg and release; returns the model and u (ndof,).
 
     laid is the lay on the undeformed leg: it gives the rows and their rest length.

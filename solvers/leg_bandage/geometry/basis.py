@@ -66,8 +66,9 @@ def fit_basis(snapshots: np.ndarray, n_modes: int) -> Basis:
     extreme = training[np.abs(training).argmax(axis=0), np.arange(n_modes)]
     sign = np.sign(extreme)
     sign[0] = -np.sign(training[:, 0].sum())
-    return Basis(left[:, :n_modes] * sign / np.sqrt(INNER), training * sign,
-                 np.sqrt(INNER) * singular)
+    return Basis(
+        left[:, :n_modes] * sign / np.sqrt(INNER), training * sign, np.sqrt(INNER) * singular
+    )
 
 
 @cache
@@ -76,8 +77,9 @@ def shipped_basis(n_modes: int = 4) -> Basis:
     return fit_basis(load_cohort("train").snapshots(), n_modes)
 
 
-def reconstruction_errors(basis: Basis, cohort: Cohort, angles: int = 100) -> tuple[
-        np.ndarray, np.ndarray]:
+def reconstruction_errors(
+    basis: Basis, cohort: Cohort, angles: int = 100
+) -> tuple[np.ndarray, np.ndarray]:
     """What the basis loses of each leg, mm, at (leg, section, angle).
 
     Returns the error of the radius about the section's own centre, |dr|, and the
@@ -85,8 +87,9 @@ def reconstruction_errors(basis: Basis, cohort: Cohort, angles: int = 100) -> tu
     """
     theta = 2 * np.pi * np.arange(angles) / angles
     order = np.arange(1, 6)
-    harmonics = np.concatenate([np.ones((1, angles)), np.cos(np.outer(order, theta)),
-                                np.sin(np.outer(order, theta))])
+    harmonics = np.concatenate(
+        [np.ones((1, angles)), np.cos(np.outer(order, theta)), np.sin(np.outer(order, theta))]
+    )
     original = cohort.snapshots().T
     lost = basis.reconstruct(basis.project(original)) - original
     coefficients, centre = sections_of(lost, cohort.length)

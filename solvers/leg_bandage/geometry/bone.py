@@ -31,8 +31,9 @@ THETA = np.radians(np.arange(0, 360, 10))
 def _fractions() -> CubicSpline:
     """The 13 numbers of the envelope over r0, as a spline of height / length."""
     rows = json.loads((DATA / "bones.json").read_text())["rows"]
-    return CubicSpline([row["h"] for row in rows],
-                       [row["coefficients"] + row["offset"] for row in rows])
+    return CubicSpline(
+        [row["h"] for row in rows], [row["coefficients"] + row["offset"] for row in rows]
+    )
 
 
 @cache
@@ -49,8 +50,7 @@ def bone_of(leg: Leg) -> Leg:
     but there the bone goes on straight: its widening to the ankle would reach the skin.
     """
     series, offset, _ = envelope(leg.coefficients)
-    return Leg(leg.length, series, leg.centre + offset, leg.alphas, leg.below, leg.above,
-               trend=0.5)
+    return Leg(leg.length, series, leg.centre + offset, leg.alphas, leg.below, leg.above, trend=0.5)
 
 
 def envelope(skin: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -82,6 +82,10 @@ def read_cohort(file, which: str = "train") -> Cohort:
 
 def write_cohort(file, cohort: Cohort) -> None:
     """Write legs to learn from, in the form that `read_cohort` reads."""
-    np.savez_compressed(file, train_coef=cohort.coefficients, train_centre=cohort.centre,
-                        train_L=cohort.length,
-                        **{f"train_{name}": values for name, values in cohort.facts.items()})
+    np.savez_compressed(
+        file,
+        train_coef=cohort.coefficients,
+        train_centre=cohort.centre,
+        train_L=cohort.length,
+        **{f"train_{name}": values for name, values in cohort.facts.items()},
+    )

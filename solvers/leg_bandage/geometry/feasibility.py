@@ -34,19 +34,22 @@ def check_leg(leg: Leg) -> None:
         raise SolverError(
             f"the skin is {radius[turn, level]:.1f} mm from the centre line of the leg (at least "
             f"{LEAST_RADIUS:g} mm) at height {z[level]:.0f} mm, "
-            f"{np.degrees(THETA[turn]):.0f} degrees{_of(leg)}")
+            f"{np.degrees(THETA[turn]):.0f} degrees{_of(leg)}"
+        )
     bone, offset, shrink = envelope(skin)
     if not shrink.min() >= LEAST_SHRINKAGE:
         level = shrink.argmin()
         raise SolverError(
             f"the skin meets the bones at height {z[level]:.0f} mm: they would fit only at "
-            f"{shrink[level]:.0%} of their size (at least {LEAST_SHRINKAGE:.0%}){_of(leg)}")
+            f"{shrink[level]:.0%} of their size (at least {LEAST_SHRINKAGE:.0%}){_of(leg)}"
+        )
     spread = _spread(skin, bone, offset)
     if not spread.min() > 0:
         turn, level = np.unravel_index(np.argmin(spread), spread.shape)
         raise SolverError(
             f"bone and skin are so far out of line at height {z[level]:.0f} mm, "
-            f"{np.degrees(THETA[turn]):.0f} degrees that the tissue between them folds{_of(leg)}")
+            f"{np.degrees(THETA[turn]):.0f} degrees that the tissue between them folds{_of(leg)}"
+        )
 
 
 def _spread(skin: np.ndarray, bone: np.ndarray, offset: np.ndarray) -> np.ndarray:
@@ -65,5 +68,7 @@ def _of(leg: Leg) -> str:
     if leg.alphas is None:
         return ""
     alphas = ", ".join(f"{alpha:.3f}" for alpha in leg.alphas)
-    return (f"; length {leg.length:.1f} mm with alphas {alphas} is not a possible leg: stay "
-            "nearer to the shipped legs")
+    return (
+        f"; length {leg.length:.1f} mm with alphas {alphas} is not a possible leg: stay "
+        "nearer to the shipped legs"
+    )

@@ -59,13 +59,16 @@ def _by_girth(leg: Leg) -> float:
     if calf - ankle < 0.05 * ankle:
         raise SolverError(
             f"the girth only grows from {ankle:.0f} to {calf:.0f} mm, so the leg has no calf "
-            "and no point B1; a leg's calf is at least 5 % wider than its ankle")
+            "and no point B1; a leg's calf is at least 5 % wider than its ankle"
+        )
     target = ankle + GIRTH_FRACTION * (calf - ankle)
     crossings = spline.solve(target, extrapolate=False)
     above = crossings[crossings > levels[girths.argmin()]]
     if len(above) == 0:
-        raise SolverError(f"the narrowest girth ({ankle:.0f} mm) lies above the widest "
-                          f"({calf:.0f} mm): the leg is upside down")
+        raise SolverError(
+            f"the narrowest girth ({ankle:.0f} mm) lies above the widest "
+            f"({calf:.0f} mm): the leg is upside down"
+        )
     return float(above[0])
 
 
@@ -76,8 +79,10 @@ def _by_profile(leg: Leg) -> float:
     change = CubicSpline(z, bend / (1 + slope**2) ** 1.5).derivative()
     levels = change.roots(extrapolate=False)
     if len(levels) == 0:
-        raise SolverError("the curvature of the posterior profile has no extremum under "
-                          f"{ZONE_TOP:g} of the length: use the B1 rule 'girth'")
+        raise SolverError(
+            "the curvature of the posterior profile has no extremum under "
+            f"{ZONE_TOP:g} of the length: use the B1 rule 'girth'"
+        )
     return float(levels.max())
 
 
@@ -92,8 +97,9 @@ class Disc:
     z: float
     diameter: float = 50.0
 
-    def points(self, leg: Leg, rings: int = 4, spokes: int = 12) -> tuple[
-            np.ndarray, np.ndarray, np.ndarray]:
+    def points(
+        self, leg: Leg, rings: int = 4, spokes: int = 12
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Quadrature over the disc: theta, z (mm) and weights that sum to 1, each (n,).
 
         Gauss points in the squared radius (exact for areas), equal angles. The disc is
@@ -130,6 +136,7 @@ def _gauss(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _walk(leg: Leg, start: float, z: np.ndarray, along: np.ndarray) -> np.ndarray:
     """theta after `along` mm (signed) around the sections at z, from theta = start."""
+
     def speed(theta):
         return 1 / np.linalg.norm(leg.surface(theta, z, d_theta=1), axis=-1)
 

@@ -62,8 +62,10 @@ class Leg:
         basis = shipped_basis() if basis is None else basis
         known = basis.modes.shape[1]
         if len(alphas) > known:
-            raise SolverError(f"{len(alphas)} alphas for a basis of {known} modes: give at most "
-                              f"{known}, or a basis with more modes")
+            raise SolverError(
+                f"{len(alphas)} alphas for a basis of {known} modes: give at most "
+                f"{known}, or a basis with more modes"
+            )
         sections = sections_of(basis.reconstruct(np.asarray(alphas, float)), length)
         return cls(float(length), *sections, alphas=tuple(map(float, alphas)))
 
@@ -73,11 +75,15 @@ class Leg:
         coefficients, centre = np.asarray(coefficients, float), np.asarray(centre, float)
         expected = [(len(coefficients), 11), (len(coefficients), 2)]
         if [coefficients.shape, centre.shape] != expected:
-            raise SolverError(f"sections of shape {coefficients.shape} and centres of shape "
-                              f"{centre.shape}: give (S, 11) and (S, 2)")
+            raise SolverError(
+                f"sections of shape {coefficients.shape} and centres of shape "
+                f"{centre.shape}: give (S, 11) and (S, 2)"
+            )
         if len(coefficients) < len(KNOTS) - DEGREE - 1:
-            raise SolverError(f"{len(coefficients)} sections are too few for a smooth leg: "
-                              f"give at least {len(KNOTS) - DEGREE - 1}, best 100")
+            raise SolverError(
+                f"{len(coefficients)} sections are too few for a smooth leg: "
+                f"give at least {len(KNOTS) - DEGREE - 1}, best 100"
+            )
         return cls(float(length), coefficients, centre)
 
     def extended(self, below: float, above: float) -> Leg:

@@ -21,8 +21,7 @@ ORDERS = np.arange(-DEGREE, DEGREE + 1)
 def complex_series(coefficients: np.ndarray) -> np.ndarray:
     """Real series (..., 11) r0, a1..a5, b1..b5 to complex terms (..., 11) over ORDERS."""
     positive = (coefficients[..., 1:6] - 1j * coefficients[..., 6:11]) / 2
-    return np.concatenate(
-        [positive[..., ::-1].conj(), coefficients[..., :1], positive], axis=-1)
+    return np.concatenate([positive[..., ::-1].conj(), coefficients[..., :1], positive], axis=-1)
 
 
 def radius(coefficients: np.ndarray, theta: np.ndarray, derivative: int = 0) -> np.ndarray:

@@ -26,8 +26,10 @@ def leg_mesh(result: Result) -> meshio.Mesh:
     pressed = np.zeros(nodes)
     pressed[grid.skin.ravel()] = imprint(model, result.u).at(theta.ravel(), z.ravel())[0]
     return meshio.Mesh(
-        grid.mesh.p.T + move, [("hexahedron", _hexahedra(grid.nodes))],
-        point_data={"displacement_mm": move, "pressure_mmHg": pressed})
+        grid.mesh.p.T + move,
+        [("hexahedron", _hexahedra(grid.nodes))],
+        point_data={"displacement_mm": move, "pressure_mmHg": pressed},
+    )
 
 
 def bandage_mesh(result: Result) -> meshio.Mesh:
@@ -50,8 +52,11 @@ def bandage_mesh(result: Result) -> meshio.Mesh:
         "slip_mm": found.slip.ravel(),
         "layers": model.lay.layers[:, 1:-1].ravel(),
     }
-    return meshio.Mesh(points, [("quad", quads.reshape(-1, 4))],
-                       cell_data={name: [values] for name, values in data.items()})
+    return meshio.Mesh(
+        points,
+        [("quad", quads.reshape(-1, 4))],
+        cell_data={name: [values] for name, values in data.items()},
+    )
 
 
 def write(result: Result, stem: str | Path, suffix: str = ".vtu") -> tuple[Path, Path]:
@@ -64,8 +69,9 @@ def write(result: Result, stem: str | Path, suffix: str = ".vtu") -> tuple[Path,
         try:
             mesh.write(path)
         except (meshio.WriteError, KeyError) as error:
-            raise SolverError(f"{path.name}: meshio cannot write it ({error}); use .vtu, "
-                              ".vtk or .xdmf") from error
+            raise SolverError(
+                f"{path.name}: meshio cannot write it ({error}); use .vtu, .vtk or .xdmf"
+            ) from error
     return paths
 
 

@@ -35,15 +35,23 @@ def _mmhg(description: str, gaps: bool = False) -> Output:
 
 
 OUTPUTS: Mapping[str, Output] = {
-    "pressure_b1": _mmhg("mean over the 50 mm sensor: on the medial side at B1, or as far from it "
-                         "as sensor_around and sensor_up say"),
+    "pressure_b1": _mmhg(
+        "mean over the 50 mm sensor: on the medial side at B1, or as far from it "
+        "as sensor_around and sensor_up say"
+    ),
     "pressure_field": Output(
-        unit="mmHg", dims=("theta", "height"), coordinates={"theta": ANGLES, "height": HEIGHTS},
+        unit="mmHg",
+        dims=("theta", "height"),
+        coordinates={"theta": ANGLES, "height": HEIGHTS},
         description="interface pressure on the skin; theta in degrees from lateral (0) by "
-                    "anterior (90) to medial (180), height over leg length"),
+        "anterior (90) to medial (180), height over leg length",
+    ),
     "pressure_b1_girth": _mmhg("the sensor at B1 itself by the girth rule"),
-    "pressure_b1_profile": _mmhg("the sensor at B1 itself by the paper's profile rule; NaN "
-                                 "where the profile has no such point", gaps=True),
+    "pressure_b1_profile": _mmhg(
+        "the sensor at B1 itself by the paper's profile rule; NaN "
+        "where the profile has no such point",
+        gaps=True,
+    ),
     "pressure_ankle": _mmhg("the sensor with its lower rim at the narrowest girth"),
     "pressure_calf": _mmhg("the sensor at the widest girth, or as high as two layers reach"),
     "sensor_variation": _mmhg("mean change of pressure_b1 when the sensor moves by 10 mm"),
@@ -61,8 +69,9 @@ OUTPUTS: Mapping[str, Output] = {
 }
 
 
-def answers(leg: Leg, model: Model, u: np.ndarray, rule: str,
-            around: float = 0.0, up: float = 0.0) -> dict[str, float | np.ndarray]:
+def answers(
+    leg: Leg, model: Model, u: np.ndarray, rule: str, around: float = 0.0, up: float = 0.0
+) -> dict[str, float | np.ndarray]:
     """The outputs of a solved model; leg is the undeformed one.
 
     rule       for B1, where the sensor lies
@@ -88,8 +97,10 @@ def answers(leg: Leg, model: Model, u: np.ndarray, rule: str,
         "pressure_calf": pressed(min(calf, highest)),
         "sensor_variation": float(np.mean(np.abs(np.array(circle) - at_b1))),
         "b1_height": z,
-        **{f"stretch_{name}": float(values[rows].mean())
-           for name, values in stretches(model, u).items()},
+        **{
+            f"stretch_{name}": float(values[rows].mean())
+            for name, values in stretches(model, u).items()
+        },
         "slip_max": float(found.slip.max()),
         "slip_mean": float(found.slip.mean()),
         "layers_b1": layers,

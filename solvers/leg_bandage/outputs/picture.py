@@ -21,8 +21,10 @@ def draw(result: Result, path: str | Path) -> Path:
     Raises SolverError when matplotlib is not installed.
     """
     if importlib.util.find_spec("matplotlib") is None:
-        raise SolverError("pictures need matplotlib, which is not installed: pip install "
-                          "matplotlib; the numbers and `export` do not need it")
+        raise SolverError(
+            "pictures need matplotlib, which is not installed: pip install "
+            "matplotlib; the numbers and `export` do not need it"
+        )
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -31,8 +33,9 @@ def draw(result: Result, path: str | Path) -> Path:
     theta = np.linspace(0, 2 * np.pi, 181)
     z = np.linspace(0, leg.length, 121)
     grid = np.meshgrid(theta, z)
-    pressure, layers = (v.reshape(grid[0].shape)
-                        for v in found.at(grid[0].ravel(), grid[1].ravel()))
+    pressure, layers = (
+        v.reshape(grid[0].shape) for v in found.at(grid[0].ravel(), grid[1].ravel())
+    )
     strip = model.strip
     stretch = model.shell.at(result.u, midpoints(strip)).warp_stretch.reshape(strip.ns, strip.nw)
 
@@ -70,5 +73,4 @@ def _outline(leg, disc):
     angle = np.linspace(0, 2 * np.pi, 61)
     turn = np.linalg.norm(leg.surface(disc.theta, disc.z, d_theta=1))
     radius = disc.diameter / 2
-    return (np.degrees(disc.theta + radius * np.cos(angle) / turn),
-            disc.z + radius * np.sin(angle))
+    return (np.degrees(disc.theta + radius * np.cos(angle) / turn), disc.z + radius * np.sin(angle))

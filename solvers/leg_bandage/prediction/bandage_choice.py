@@ -49,29 +49,42 @@ class Wear:
         return self.constant * (self.stretch - 1)
 
 
-def wear(bandage: str | None = None, tension: float | None = None, stretch: float = STRETCH,
-         mu_skin: float | None = None) -> Wear:
+def wear(
+    bandage: str | None = None,
+    tension: float | None = None,
+    stretch: float = STRETCH,
+    mu_skin: float | None = None,
+) -> Wear:
     """A named bandage, or one of this tension at stretch 1.3; raises WearError.
 
     mu_skin: None for unknown, 0.2 with a range of 0.1 to 0.3.
     """
     if (bandage is None) == (tension is None):
-        raise WearError("give either --bandage NAME or --tension N/MM, the bandage's tension per "
-                        f"width at stretch 1.3; bandages: {', '.join(sorted(BANDAGES))}")
+        raise WearError(
+            "give either --bandage NAME or --tension N/MM, the bandage's tension per "
+            f"width at stretch 1.3; bandages: {', '.join(sorted(BANDAGES))}"
+        )
     found = _tension_of(bandage) if bandage is not None else tension
     _check("tension", found, "it is in N/mm, at stretch 1.3: 98 N/m are 0.098 N/mm")
     _check("stretch", stretch, "it is length over rest length: 30 % of extension are 1.3")
     if mu_skin is not None:
         _check("mu_skin", mu_skin, "skin under a bandage has 0.1 to 0.3")
-    return Wear(bandage, float(found), float(stretch), MU_SKIN if mu_skin is None else mu_skin,
-                MU_RANGE if mu_skin is None else None)
+    return Wear(
+        bandage,
+        float(found),
+        float(stretch),
+        MU_SKIN if mu_skin is None else mu_skin,
+        MU_RANGE if mu_skin is None else None,
+    )
 
 
 def _tension_of(name: str) -> float:
     """N/mm at stretch 1.3 of a named bandage."""
     if name not in BANDAGES:
-        raise WearError(f"bandage {name!r} is unknown; {nearest(name, BANDAGES)}; or give its "
-                        "tension at stretch 1.3 by --tension")
+        raise WearError(
+            f"bandage {name!r} is unknown; {nearest(name, BANDAGES)}; or give its "
+            "tension at stretch 1.3 by --tension"
+        )
     return float(bandage(name).fabric.tension(np.array(STRETCH)))
 
 

@@ -29,8 +29,12 @@ class Part:
     meaning: str
 
 
-def parts_of(reduced: Reduced, inputs: dict[str, float], factor: float | None,
-             mu_range: tuple[float, float] | None) -> tuple[Part, ...]:
+def parts_of(
+    reduced: Reduced,
+    inputs: dict[str, float],
+    factor: float | None,
+    mu_range: tuple[float, float] | None,
+) -> tuple[Part, ...]:
     """Surrogate, shape of the leg, and friction where it is unknown and the study varies it.
 
     factor: by which the shape law has corrected the reduced model's pressure; None if it has not.
@@ -38,9 +42,15 @@ def parts_of(reduced: Reduced, inputs: dict[str, float], factor: float | None,
     coded, scale = reduced.coded(inputs), 1.0 if factor is None else factor
     value = float(reduced.at_b1.predict(coded)[0])
     low, high = (float(end[0]) for end in reduced.at_b1.interval(coded, CONFIDENCE))
-    found = [Part("surrogate", scale * (low - value), scale * (high - value),
-                  f"what {reduced.count} runs leave open; 95 %"),
-             _shape(scale * value, corrected=factor is not None)]
+    found = [
+        Part(
+            "surrogate",
+            scale * (low - value),
+            scale * (high - value),
+            f"what {reduced.count} runs leave open; 95 %",
+        ),
+        _shape(scale * value, corrected=factor is not None),
+    ]
     if mu_range is not None and "mu_skin" in reduced.names:
         found.append(_friction(reduced, inputs, scale, value, mu_range))
     return tuple(found)
@@ -50,20 +60,32 @@ def _shape(value: float, corrected: bool) -> Part:
     law = shape_law()
     missed = law.error(corrected, CONFIDENCE)
     after = "after the correction by Laplace's law " if corrected else ""
-    return Part("leg shape", -missed * value, missed * value,
-                f"what the shape modes miss of a leg {after}is {missed:.1%} of the pressure or "
-                f"less on {len(law.missed)} validation legs, by finite elements; 95 %")
+    return Part(
+        "leg shape",
+        -missed * value,
+        missed * value,
+        f"what the shape modes miss of a leg {after}is {missed:.1%} of the pressure or "
+        f"less on {len(law.missed)} validation legs, by finite elements; 95 %",
+    )
 
 
-def _friction(reduced: Reduced, inputs: dict[str, float], scale: float, value: float,
-              mu_range: tuple[float, float]) -> Part:
+def _friction(
+    reduced: Reduced,
+    inputs: dict[str, float],
+    scale: float,
+    value: float,
+    mu_range: tuple[float, float],
+) -> Part:
     """From the lowest to the highest pressure over the range: all of it, not 95 %."""
     column = np.linspace(*mu_range, FRICTIONS)
     pressures = reduced.at_b1.predict(reduced.coded({**inputs, "mu_skin": column}))
     low, high = mu_range
-    return Part("friction", scale * min(float(pressures.min()) - value, 0.0),
-                scale * max(float(pressures.max()) - value, 0.0),
-                f"mu_skin anywhere between {low:g} and {high:g}; give --mu-skin to leave it out")
+    return Part(
+        "friction",
+        scale * min(float(pressures.min()) - value, 0.0),
+        scale * max(float(pressures.max()) - value, 0.0),
+        f"mu_skin anywhere between {low:g} and {high:g}; give --mu-skin to leave it out",
+    )
 
 
 def joined(value: float, parts: Sequence[Part]) -> tuple[float, float]:

@@ -95,12 +95,15 @@ class Prediction:
         return Skin(*self.reduced.skin_pressure(self.inputs))
 
 
-def predict_pressure(scan: FittedScan, worn: Wear, reduced: Reduced,
-                     mesh: str | None = None) -> Prediction:
+def predict_pressure(
+    scan: FittedScan, worn: Wear, reduced: Reduced, mesh: str | None = None
+) -> Prediction:
     """The pressure at B1; mesh: of the finite element model to solve beside, None for none."""
     inputs = reduced.inputs(coordinates(scan), worn)
-    laplace = {name: by_laplace_if_it_can(leg, worn.effective_tension)
-               for name, leg in (("scanned", scan.scanned), ("fitted", scan.leg))}
+    laplace = {
+        name: by_laplace_if_it_can(leg, worn.effective_tension)
+        for name, leg in (("scanned", scan.scanned), ("fitted", scan.leg))
+    }
     factor = shape_law().factor(laplace)
     on_modes = float(reduced.at_b1.predict(reduced.coded(inputs))[0])
     value = on_modes if factor is None else factor * on_modes
@@ -108,25 +111,45 @@ def predict_pressure(scan: FittedScan, worn: Wear, reduced: Reduced,
     outside = reduced.outside(inputs)
     solved, unsolved = _solved(scan.scanned, worn, mesh)
     return Prediction(
-        scan, worn, reduced, value, *joined(value, parts), on_modes, factor, parts, inputs,
-        outside, laplace, solved, unsolved)
+        scan,
+        worn,
+        reduced,
+        value,
+        *joined(value, parts),
+        on_modes,
+        factor,
+        parts,
+        inputs,
+        outside,
+        laplace,
+        solved,
+        unsolved,
+    )
 
 
 def coordinates(scan: FittedScan) -> dict[str, float]:
     """The fitted leg in the names of the solvers' inputs."""
-    return {"leg_length": scan.length,
-            **{f"alpha{k}": alpha for k, alpha in enumerate(scan.alphas, 1)}}
+    return {
+        "leg_length": scan.length,
+        **{f"alpha{k}": alpha for k, alpha in enumerate(scan.alphas, 1)},
+    }
 
 
 def solve_on(leg: Leg, worn: Wear, mesh: str) -> Solved:
     """The finite element model on the sections of this leg."""
     start = time.perf_counter()
-    values = LegBandage(mesh=mesh).run(
-        leg=leg, tension=worn.tension, stretch=worn.stretch, mu_skin=worn.mu_skin).values
+    values = (
+        LegBandage(mesh=mesh)
+        .run(leg=leg, tension=worn.tension, stretch=worn.stretch, mu_skin=worn.mu_skin)
+        .values
+    )
     grid = LegBandage.outputs["pressure_field"].coordinates
-    return Solved(mesh, values["pressure_b1"],
-                  Skin(grid["theta"], grid["height"], values["pressure_field"]),
-                  time.perf_counter() - start)
+    return Solved(
+        mesh,
+        values["pressure_b1"],
+        Skin(grid["theta"], grid["height"], values["pressure_field"]),
+        time.perf_counter() - start,
+    )
 
 
 def _solved(leg: Leg, worn: Wear, mesh: str | None) -> tuple[Solved | None, str]:
@@ -141,34 +164,48 @@ def _solved(leg: Leg, worn: Wear, mesh: str | None) -> tuple[Solved | None, str]
 def _notes(told: Prediction) -> Iterator[str]:
     worn = told.worn
     if told.outside:
-        yield (f"The reduced model extrapolates: {_beyond(told.outside)}. Chassagne et al. 2018 "
-               "discarded such legs; Laplace's law and --solve, on the scan's own sections, are "
-               "the better word here.")
+        yield (
+            f"The reduced model extrapolates: {_beyond(told.outside)}. Chassagne et al. 2018 "
+            "discarded such legs; Laplace's law and --solve, on the scan's own sections, are "
+            "the better word here."
+        )
     if told.factor is None:
-        yield ("Laplace's law has no answer at B1 for this leg, so the reduced model's pressure is "
-               "that of the leg of the shape modes, uncorrected.")
+        yield (
+            "Laplace's law has no answer at B1 for this leg, so the reduced model's pressure is "
+            "that of the leg of the shape modes, uncorrected."
+        )
     else:
-        yield (f"The reduced model's pressure on the leg of the shape modes is multiplied by "
-               f"{told.factor:.3f}, Laplace's law on the scan's own sections over that on the "
-               f"modes, to the power {shape_law().exponent:.2f}, which finite elements on "
-               "validation legs gave.")
+        yield (
+            f"The reduced model's pressure on the leg of the shape modes is multiplied by "
+            f"{told.factor:.3f}, Laplace's law on the scan's own sections over that on the "
+            f"modes, to the power {shape_law().exponent:.2f}, which finite elements on "
+            "validation legs gave."
+        )
     if worn.mu_range is None:
         yield f"mu_skin {worn.mu_skin:g} is taken as known: the interval has no part for it."
     if worn.stretch != STRETCH and "stretch" not in told.inputs:
-        yield (f"The runs are at stretch {STRETCH:g}. Stretch {worn.stretch:g} reaches them as "
-               f"the tension K1 (stretch - 1) = {worn.effective_tension:.4f} N/mm, K1 = "
-               f"{worn.constant:.4f} N/mm (Chassagne et al. 2018, equation 10): a straight line "
-               f"for the bandage, and a loss of stretch on the leg as at {STRETCH:g}.")
+        yield (
+            f"The runs are at stretch {STRETCH:g}. Stretch {worn.stretch:g} reaches them as "
+            f"the tension K1 (stretch - 1) = {worn.effective_tension:.4f} N/mm, K1 = "
+            f"{worn.constant:.4f} N/mm (Chassagne et al. 2018, equation 10): a straight line "
+            f"for the bandage, and a loss of stretch on the leg as at {STRETCH:g}."
+        )
     if told.solved:
-        yield ("The finite element value is one run on the scan's own sections, with mu_skin "
-               f"{worn.mu_skin:g}: it has no interval of its own.")
+        yield (
+            "The finite element value is one run on the scan's own sections, with mu_skin "
+            f"{worn.mu_skin:g}: it has no interval of its own."
+        )
     if told.unsolved:
         yield f"The finite element model has no answer for this leg: {told.unsolved}."
-    yield ("No interval here holds the bandager's hand (stretch, overlap), the assumed constants "
-           "of the fabric, or how far the finite element model is from a measured pressure: "
-           "9.7 % on the average in Chassagne et al. 2018.")
+    yield (
+        "No interval here holds the bandager's hand (stretch, overlap), the assumed constants "
+        "of the fabric, or how far the finite element model is from a measured pressure: "
+        "9.7 % on the average in Chassagne et al. 2018."
+    )
 
 
 def _beyond(outside: Mapping[str, tuple[float, float, float]]) -> str:
-    return ", ".join(f"{name} {value:.4g} is outside of {low:.4g} .. {high:.4g}"
-                     for name, (value, low, high) in outside.items())
+    return ", ".join(
+        f"{name} {value:.4g} is outside of {low:.4g} .. {high:.4g}"
+        for name, (value, low, high) in outside.items()
+    )

@@ -49,23 +49,32 @@ class Reduced:
         """
         path = Path(str(SHIPPED if path is None else path))
         if not path.is_file():
-            raise StudyError(f"{path}: there is no such stored study; give --study the "
-                             "study file of one")
+            raise StudyError(
+                f"{path}: there is no such stored study; give --study the study file of one"
+            )
         study = surrogate.Study.from_yaml(path)
         for name in (AT_B1, FIELD):
             if name not in study.surrogates:
-                raise StudyError(f"{path}: a stored study of legs needs a surrogate named "
-                                 f"'{name}'; {nearest(name, study.surrogates)}")
+                raise StudyError(
+                    f"{path}: a stored study of legs needs a surrogate named "
+                    f"'{name}'; {nearest(name, study.surrogates)}"
+                )
         if "cohort" in study.recipe.plain_options:
-            raise StudyError(f"{path}: its legs are those of a cohort of its own; the pressure on "
-                             "a scan is predicted in the shape modes that ship")
+            raise StudyError(
+                f"{path}: its legs are those of a cohort of its own; the pressure on "
+                "a scan is predicted in the shape modes that ship"
+            )
         if "pressure_b1" not in study.outputs or "leg_length" not in study.space.names:
-            raise StudyError(f"{path}: a stored study of legs varies leg_length and has the output "
-                             "pressure_b1; is this the right file?")
+            raise StudyError(
+                f"{path}: a stored study of legs varies leg_length and has the output "
+                "pressure_b1; is this the right file?"
+            )
         runs = study.stored()
         if not (runs["status"] == "ok").any():
-            raise ResultsError(f"{path}: none of its runs is stored: "
-                               + ("; ".join(study.unused) or "do `surrogate run` first"))
+            raise ResultsError(
+                f"{path}: none of its runs is stored: "
+                + ("; ".join(study.unused) or "do `surrogate run` first")
+            )
         return cls(path, study, runs)
 
     @property
@@ -94,8 +103,10 @@ class Reduced:
         with threadpool_limits(1):  # matrices of some hundred rows: threads wait for each other
             fits = study.fit(self.runs)
         if output not in fits[name]:
-            raise ResultsError(f"{self.path}: its runs do not support the surrogate '{name}' of "
-                               f"{output}; run more of the study")
+            raise ResultsError(
+                f"{self.path}: its runs do not support the surrogate '{name}' of "
+                f"{output}; run more of the study"
+            )
         return fits[name][output]
 
     def inputs(self, leg: Mapping[str, float], worn: Wear) -> dict[str, float | str]:
@@ -105,21 +116,28 @@ class Reduced:
         the tension that it gives. Raises StudyError for a parameter that a scan does not tell.
         """
         varies_stretch = "stretch" in self.names
-        known = {**leg, "mu_skin": worn.mu_skin, "stretch": worn.stretch,
-                 "tension": worn.tension if varies_stretch else worn.effective_tension}
+        known = {
+            **leg,
+            "mu_skin": worn.mu_skin,
+            "stretch": worn.stretch,
+            "tension": worn.tension if varies_stretch else worn.effective_tension,
+        }
         solver = self.study.recipe.solver.inputs
         values = {name: known.get(name, solver[name].nominal) for name in self.names}
         silent = [name for name, value in values.items() if value is None]
         if silent:
-            raise StudyError(f"{self.path}: it varies {', '.join(silent)}, which a scan does not "
-                             "tell and which has no nominal value")
+            raise StudyError(
+                f"{self.path}: it varies {', '.join(silent)}, which a scan does not "
+                "tell and which has no nominal value"
+            )
         return values
 
     def coded(self, inputs: Mapping[str, Any]) -> np.ndarray:
         """Coded points (m, d) of columns of inputs; numbers are repeated."""
         size = max(np.size(value) for value in inputs.values())
         return self.study.space.encode(
-            {name: np.broadcast_to(np.asarray(value), (size,)) for name, value in inputs.items()})
+            {name: np.broadcast_to(np.asarray(value), (size,)) for name, value in inputs.items()}
+        )
 
     def outside(self, inputs: Mapping[str, float]) -> dict[str, tuple[float, float, float]]:
         """Value, low and high of each input beyond what the study ran."""
@@ -131,8 +149,9 @@ class Reduced:
                 found[name] = (inputs[name], float(low), float(high))
         return found
 
-    def skin_pressure(self, inputs: Mapping[str, float]) -> tuple[
-            np.ndarray, np.ndarray, np.ndarray]:
+    def skin_pressure(
+        self, inputs: Mapping[str, float]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Angles (degrees), heights over length, and pressures (theta, height), mmHg."""
         field = self.runs["pressure_field"]
         values = self.field.predict(self.coded(inputs))[0]

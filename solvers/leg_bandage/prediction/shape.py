@@ -66,12 +66,15 @@ def shape_law() -> ShapeLaw:
     with (DATA / "four_modes.json").open(encoding="utf-8") as stream:
         solved = json.load(stream)
     ratio = np.log(np.array(solved["own"]) / solved["modes"])
-    told = np.log([by_laplace(own) / by_laplace(modes)
-                   for own, modes in map(both_ways, solved["leg"])])
+    told = np.log(
+        [by_laplace(own) / by_laplace(modes) for own, modes in map(both_ways, solved["leg"])]
+    )
     without = ((ratio * told).sum() - ratio * told) / ((told**2).sum() - told**2)
-    return ShapeLaw(float(ratio @ told / (told @ told)),
-                    np.sort(np.abs(np.expm1(ratio - without * told))),
-                    np.sort(np.abs(np.expm1(ratio))))
+    return ShapeLaw(
+        float(ratio @ told / (told @ told)),
+        np.sort(np.abs(np.expm1(ratio - without * told))),
+        np.sort(np.abs(np.expm1(ratio))),
+    )
 
 
 def both_ways(number: int) -> tuple[Leg, Leg]:
@@ -79,8 +82,10 @@ def both_ways(number: int) -> tuple[Leg, Leg]:
     legs = load_cohort("val")
     length = legs.length[number]
     alphas = shipped_basis().project(legs.snapshots()[:, number])
-    return (Leg.from_sections(length, legs.coefficients[number], legs.centre[number]),
-            Leg.from_alphas(length, alphas))
+    return (
+        Leg.from_sections(length, legs.coefficients[number], legs.centre[number]),
+        Leg.from_alphas(length, alphas),
+    )
 
 
 def by_laplace(leg: Leg, tension: float = 1.0) -> float:

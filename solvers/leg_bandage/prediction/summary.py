@@ -19,35 +19,64 @@ def figures(told: Prediction) -> dict[str, Any]:
     fit, solved = told.reduced.at_b1, told.solved
     return {
         "scan": scan_figures(told.scan),
-        "bandage": {**asdict(told.worn), "K1": told.worn.constant,
-                    "effective_tension": told.worn.effective_tension},
-        "pressure_b1": {"value": told.value, "low": told.low, "high": told.high,
-                        "confidence": CONFIDENCE, "on_modes": told.on_modes,
-                        "shape_factor": told.factor,
-                        "parts": [asdict(part) for part in told.parts]},
-        "surrogate": {"study": told.reduced.study.name, "runs": told.reduced.count,
-                      "q2": fit.q2, "rmse": fit.rmse, "inputs": dict(told.inputs)},
+        "bandage": {
+            **asdict(told.worn),
+            "K1": told.worn.constant,
+            "effective_tension": told.worn.effective_tension,
+        },
+        "pressure_b1": {
+            "value": told.value,
+            "low": told.low,
+            "high": told.high,
+            "confidence": CONFIDENCE,
+            "on_modes": told.on_modes,
+            "shape_factor": told.factor,
+            "parts": [asdict(part) for part in told.parts],
+        },
+        "surrogate": {
+            "study": told.reduced.study.name,
+            "runs": told.reduced.count,
+            "q2": fit.q2,
+            "rmse": fit.rmse,
+            "inputs": dict(told.inputs),
+        },
         "extrapolates": told.extrapolates,
-        "outside": {name: dict(zip(("value", "low", "high"), place, strict=True))
-                    for name, place in told.outside.items()},
+        "outside": {
+            name: dict(zip(("value", "low", "high"), place, strict=True))
+            for name, place in told.outside.items()
+        },
         "laplace": dict(told.laplace),
-        "solved": None if solved is None else {
-            "mesh": solved.mesh, "value": solved.value, "seconds": solved.seconds},
+        "solved": None
+        if solved is None
+        else {"mesh": solved.mesh, "value": solved.value, "seconds": solved.seconds},
         "unsolved": told.unsolved,
-        "notes": list(told.notes)}
+        "notes": list(told.notes),
+    }
 
 
 def answers(told: Prediction) -> list[Row]:
     """How, mmHg, 95 % interval, on which leg."""
     beyond = ", EXTRAPOLATED" if told.extrapolates else ""
     corrected = told.factor is not None
-    rows = [("reduced model", f"{told.value:.1f}", f"{told.low:.1f} .. {told.high:.1f}",
-             (OWN if corrected else MODES) + beyond)]
+    rows = [
+        (
+            "reduced model",
+            f"{told.value:.1f}",
+            f"{told.low:.1f} .. {told.high:.1f}",
+            (OWN if corrected else MODES) + beyond,
+        )
+    ]
     if corrected:
         rows.append(("reduced model", f"{told.on_modes:.1f}", "", MODES + beyond))
     if told.solved:
-        rows.append((f"finite elements, {told.solved.mesh}", f"{told.solved.value:.1f}", "",
-                     f"{OWN}; {told.solved.seconds:.0f} s"))
+        rows.append(
+            (
+                f"finite elements, {told.solved.mesh}",
+                f"{told.solved.value:.1f}",
+                "",
+                f"{OWN}; {told.solved.seconds:.0f} s",
+            )
+        )
     for leg, words in (("scanned", OWN), ("fitted", MODES)):
         value = told.laplace[leg]
         rows.append(("Laplace's law", "none" if value is None else f"{value:.1f}", "", words))
@@ -56,8 +85,7 @@ def answers(told: Prediction) -> list[Row]:
 
 def parts(told: Prediction) -> list[tuple[str, str, str]]:
     """Part of the interval, mmHg either way, what it is."""
-    return [(part.name, f"{part.low:+.1f} / {part.high:+.1f}", part.meaning)
-            for part in told.parts]
+    return [(part.name, f"{part.low:+.1f} / {part.high:+.1f}", part.meaning) for part in told.parts]
 
 
 def coordinate_rows(told: Prediction) -> list[Row]:
@@ -68,9 +96,14 @@ def coordinate_rows(told: Prediction) -> list[Row]:
             continue
         low, high = told.reduced.study.space[name].distribution.support
         digits, unit = (1, " mm") if name == "leg_length" else (4, "")
-        rows.append((name, f"{value:.{digits}f}{unit}",
-                     f"{low:.{max(digits - 1, 1)}f} .. {high:.{max(digits - 1, 1)}f}",
-                     "OUTSIDE" if name in told.outside else "inside"))
+        rows.append(
+            (
+                name,
+                f"{value:.{digits}f}{unit}",
+                f"{low:.{max(digits - 1, 1)}f} .. {high:.{max(digits - 1, 1)}f}",
+                "OUTSIDE" if name in told.outside else "inside",
+            )
+        )
     return rows
 
 

@@ -16,8 +16,9 @@ from .prediction import Prediction, Skin
 
 LEVELS, RAYS = 91, 72
 
-STOPS = np.array([[253, 231, 37], [149, 204, 83], [53, 163, 121], [38, 110, 142], [60, 55, 120],
-                  [68, 1, 84]])
+STOPS = np.array(
+    [[253, 231, 37], [149, 204, 83], [53, 163, 121], [38, 110, 142], [60, 55, 120], [68, 1, 84]]
+)
 """Light to dark, so that it reads in black and white: viridis backwards (Smith, van der Walt)."""
 
 BARE, BARE_UNDER = np.array([222, 224, 228]), 1.0
@@ -59,9 +60,13 @@ def surface_of(told: Prediction) -> Surface:
     sense = np.array([-1.0 if mirrored else 1.0, 1.0, 1.0])
     disc = _sensor(leg)
     rim = np.zeros((0, 3)) if disc is None else sensor_rim(leg, disc)
-    return Surface(leg.surface(theta, z[:, None]) * sense,
-                   pressure_on(told.skin(), np.degrees(theta), z / leg.length), rim * sense,
-                   None if disc is None else (float(np.degrees(disc.theta)), disc.z), mirrored)
+    return Surface(
+        leg.surface(theta, z[:, None]) * sense,
+        pressure_on(told.skin(), np.degrees(theta), z / leg.length),
+        rim * sense,
+        None if disc is None else (float(np.degrees(disc.theta)), disc.z),
+        mirrored,
+    )
 
 
 def _sensor(leg: Leg) -> Disc | None:
@@ -73,8 +78,9 @@ def _sensor(leg: Leg) -> Disc | None:
 
 def pressure_on(skin: Skin, theta: np.ndarray, height: np.ndarray) -> np.ndarray:
     """(height, theta): the pressure at angles (degrees) and heights over the length, bilinear."""
-    around = np.array([np.interp(theta, skin.theta, column, period=360.0)
-                       for column in skin.pressure.T])
+    around = np.array(
+        [np.interp(theta, skin.theta, column, period=360.0) for column in skin.pressure.T]
+    )
     return np.column_stack([np.interp(height, skin.height, line) for line in around.T])
 
 

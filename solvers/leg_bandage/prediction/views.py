@@ -19,12 +19,15 @@ def four_sides(surface: Surface, size: int = 190) -> list[tuple[str, str]]:
     middle = surface.points.mean(axis=(0, 1))
     half = 1.06 * np.abs(surface.points - middle)[..., :2].max()
     tall = 1.03 * np.ptp(surface.points[..., 2]) / (2 * half) * size
-    return [(side, _view(surface, side, middle, size / (2 * half), size, tall))
-            for side in ("inside", "front", "outside", "back")]
+    return [
+        (side, _view(surface, side, middle, size / (2 * half), size, tall))
+        for side in ("inside", "front", "outside", "back")
+    ]
 
 
-def _view(surface: Surface, side: str, middle: np.ndarray, scale: float, size: float,
-          tall: float) -> str:
+def _view(
+    surface: Surface, side: str, middle: np.ndarray, scale: float, size: float, tall: float
+) -> str:
     towards = _towards(side, surface.mirrored)
     right = np.array([-towards[1], towards[0], 0.0])
 
@@ -42,12 +45,16 @@ def _view(surface: Surface, side: str, middle: np.ndarray, scale: float, size: f
     shade = colours(mean, surface.ticks[-1]) * (0.72 + 0.28 * facing[..., None])
     depth = np.mean([corner @ towards for corner in corners], axis=0)
     flat = np.stack([place(corner) for corner in corners], axis=2)
-    parts = [_facet(flat[i, j], shade[i, j]) for i, j in
-             sorted(zip(*np.nonzero(facing > 0), strict=True), key=lambda at: depth[at])]
+    parts = [
+        _facet(flat[i, j], shade[i, j])
+        for i, j in sorted(zip(*np.nonzero(facing > 0), strict=True), key=lambda at: depth[at])
+    ]
     if side == "inside" and len(surface.rim):
         parts += _sensor(place(surface.rim))
-    return (f'<svg viewBox="0 0 {size:.0f} {tall:.0f}" role="img" shape-rendering="crispEdges" '
-            f'aria-label="pressure on the leg, seen from its {side}">{"".join(parts)}</svg>')
+    return (
+        f'<svg viewBox="0 0 {size:.0f} {tall:.0f}" role="img" shape-rendering="crispEdges" '
+        f'aria-label="pressure on the leg, seen from its {side}">{"".join(parts)}</svg>'
+    )
 
 
 def _towards(side: str, mirrored: bool) -> np.ndarray:
@@ -64,36 +71,48 @@ def _facet(corners: np.ndarray, colour: np.ndarray) -> str:
 
 def _sensor(rim: np.ndarray) -> list[str]:
     path = " ".join(f"{x:.1f},{y:.1f}" for x, y in rim)
-    return [f'<polygon points="{path}" fill="none" stroke="{tone}" stroke-width="{width}" '
-            'shape-rendering="auto"/>'
-            for tone, width in (("#fff", 4), ("#000", 1.6))]
+    return [
+        f'<polygon points="{path}" fill="none" stroke="{tone}" stroke-width="{width}" '
+        'shape-rendering="auto"/>'
+        for tone, width in (("#fff", 4), ("#000", 1.6))
+    ]
 
 
 def colour_bar(surface: Surface, width: int = 340) -> str:
     """Pressures and their colours, lying."""
     top, inset = surface.ticks[-1], 14
-    stops = "".join(f'<stop offset="{k / (len(STOPS) - 1):.3f}" stop-color="rgb({r},{g},{b})"/>'
-                    for k, (r, g, b) in enumerate(STOPS))
+    stops = "".join(
+        f'<stop offset="{k / (len(STOPS) - 1):.3f}" stop-color="rgb({r},{g},{b})"/>'
+        for k, (r, g, b) in enumerate(STOPS)
+    )
     marks = "".join(
         f'<text x="{inset + tick / top * (width - 2 * inset):.1f}" y="31" '
-        f'text-anchor="middle">{tick:g}</text>' for tick in surface.ticks)
-    return (f'<svg viewBox="0 0 {width} 50" role="img" aria-label="colour bar, 0 to {top:g} mmHg">'
-            f'<linearGradient id="bar">{stops}</linearGradient><rect x="{inset}" y="4" '
-            f'width="{width - 2 * inset}" height="13" fill="url(#bar)"/>{marks}'
-            f'<text x="{width / 2}" y="46" text-anchor="middle">pressure on the skin, mmHg</text>'
-            '</svg>')
+        f'text-anchor="middle">{tick:g}</text>'
+        for tick in surface.ticks
+    )
+    return (
+        f'<svg viewBox="0 0 {width} 50" role="img" aria-label="colour bar, 0 to {top:g} mmHg">'
+        f'<linearGradient id="bar">{stops}</linearGradient><rect x="{inset}" y="4" '
+        f'width="{width - 2 * inset}" height="13" fill="url(#bar)"/>{marks}'
+        f'<text x="{width / 2}" y="46" text-anchor="middle">pressure on the skin, mmHg</text>'
+        "</svg>"
+    )
 
 
 def answers_drawn(told: Prediction, width: int = 400) -> str:
     """The answers on one axis: the reduced model with its interval and its parts, the others."""
     lines = [("reduced model", told.value, told.low, told.high, "strong")]
-    lines += [(f"{part.name} alone", None, told.value + part.low, told.value + part.high, "part")
-              for part in told.parts]
+    lines += [
+        (f"{part.name} alone", None, told.value + part.low, told.value + part.high, "part")
+        for part in told.parts
+    ]
     if told.solved:
         lines.append(("finite elements", told.solved.value, None, None, "dot"))
-    lines += [(f"Laplace, {words}", told.laplace[leg], None, None, "hollow")
-              for leg, words in (("scanned", "scan"), ("fitted", "modes"))
-              if told.laplace[leg] is not None]
+    lines += [
+        (f"Laplace, {words}", told.laplace[leg], None, None, "hollow")
+        for leg, words in (("scanned", "scan"), ("fitted", "modes"))
+        if told.laplace[leg] is not None
+    ]
     numbers = [x for _, *three, _ in lines for x in three if x is not None]
     spread = max(numbers) - min(numbers) or 1.0
     low, high = max(min(numbers) - 0.06 * spread, 0.0), max(numbers) + 0.06 * spread
@@ -102,21 +121,33 @@ def answers_drawn(told: Prediction, width: int = 400) -> str:
     def across(x):
         return left + (x - low) / (high - low) * (width - left - 22)
 
-    parts = [f'<line x1="{across(tick):.1f}" x2="{across(tick):.1f}" y1="4" y2="{bottom}" '
-             f'class="grid"/><text x="{across(tick):.1f}" y="{bottom + 16}" class="tick" '
-             f'text-anchor="middle">{tick:g}</text>' for tick in ticks(low, high)]
+    parts = [
+        f'<line x1="{across(tick):.1f}" x2="{across(tick):.1f}" y1="4" y2="{bottom}" '
+        f'class="grid"/><text x="{across(tick):.1f}" y="{bottom + 16}" class="tick" '
+        f'text-anchor="middle">{tick:g}</text>'
+        for tick in ticks(low, high)
+    ]
     for k, (name, value, *ends, kind) in enumerate(lines):
         y = 10 + row * (k + 0.5)
-        parts.append(f'<text x="{left - 10}" y="{y + 4:.1f}" text-anchor="end">{escape(name)}'
-                     '</text>')
+        parts.append(
+            f'<text x="{left - 10}" y="{y + 4:.1f}" text-anchor="end">{escape(name)}</text>'
+        )
         if ends[0] is not None:
-            parts.append(f'<line x1="{across(ends[0]):.1f}" x2="{across(ends[1]):.1f}" y1="{y}" '
-                         f'y2="{y}" class="{kind}"/>')
+            parts.append(
+                f'<line x1="{across(ends[0]):.1f}" x2="{across(ends[1]):.1f}" y1="{y}" '
+                f'y2="{y}" class="{kind}"/>'
+            )
         if value is not None:
-            parts.append(f'<circle cx="{across(value):.1f}" cy="{y}" r="5" class="{kind}"/>'
-                         f'<text x="{across(value):.1f}" y="{y - 8:.1f}" class="tick" '
-                         f'text-anchor="middle">{value:.1f}</text>')
-    parts.append(f'<text x="{(left + width - 22) / 2:.0f}" y="{bottom + 34}" '
-                 'text-anchor="middle">pressure at B1, mmHg</text>')
-    return (f'<svg viewBox="0 0 {width} {bottom + 40}" role="img" aria-label="pressure at B1 by '
-            f'each method">{"".join(parts)}</svg>')
+            parts.append(
+                f'<circle cx="{across(value):.1f}" cy="{y}" r="5" class="{kind}"/>'
+                f'<text x="{across(value):.1f}" y="{y - 8:.1f}" class="tick" '
+                f'text-anchor="middle">{value:.1f}</text>'
+            )
+    parts.append(
+        f'<text x="{(left + width - 22) / 2:.0f}" y="{bottom + 34}" '
+        'text-anchor="middle">pressure at B1, mmHg</text>'
+    )
+    return (
+        f'<svg viewBox="0 0 {width} {bottom + 40}" role="img" aria-label="pressure at B1 by '
+        f'each method">{"".join(parts)}</svg>'
+    )

@@ -63,17 +63,23 @@ def find_cuts(body: Body, zone: Zone, length: float | None = None, ends: bool = 
         below = "cut at the lower end of the scan, which is its narrowest girth"
     if length is not None:
         if ankle + length > high:
-            raise ScanError(f"the scan ends {high - ankle:.0f} mm above the ankle, before the "
-                            f"length of {length:g} mm; give a shorter length or scan higher up")
+            raise ScanError(
+                f"the scan ends {high - ankle:.0f} mm above the ankle, before the "
+                f"length of {length:g} mm; give a shorter length or scan higher up"
+            )
         return Cuts(ankle, ankle + length, (below, f"length as given, {length:g} mm"))
     calf, fallen = _calf(girth, zone)
     wanted = ankle + TOP * (calf - ankle)
     if fallen and wanted <= high:
-        above = (f"upper cut at {TOP:g} of the way from ankle to widest calf, "
-                 f"{high - wanted:.0f} mm under the upper end of the scan")
+        above = (
+            f"upper cut at {TOP:g} of the way from ankle to widest calf, "
+            f"{high - wanted:.0f} mm under the upper end of the scan"
+        )
         return _long_enough(Cuts(ankle, wanted, (below, above)), zone)
-    above = (f"upper cut at the upper end of the scan, {high - ankle:.0f} mm above the ankle; a "
-             "longer scan would be cut higher up")
+    above = (
+        f"upper cut at the upper end of the scan, {high - ankle:.0f} mm above the ankle; a "
+        "longer scan would be cut higher up"
+    )
     return _long_enough(Cuts(ankle, high, (below, above)), zone)
 
 
@@ -133,7 +139,9 @@ def _levels(girth: BSpline, low: float, high: float) -> np.ndarray:
 
 def _long_enough(cuts: Cuts, zone: Zone) -> Cuts:
     if cuts.length < SHORTEST * zone.ankle_girth:
-        raise ScanError(f"only {cuts.length:.0f} mm of leg lie between the ankle (girth "
-                        f"{zone.ankle_girth:.0f} mm) and the upper end of the scan, at least "
-                        f"{SHORTEST * zone.ankle_girth:.0f} mm are needed; scan up to the knee")
+        raise ScanError(
+            f"only {cuts.length:.0f} mm of leg lie between the ankle (girth "
+            f"{zone.ankle_girth:.0f} mm) and the upper end of the scan, at least "
+            f"{SHORTEST * zone.ankle_girth:.0f} mm are needed; scan up to the knee"
+        )
     return cuts

@@ -10,8 +10,11 @@ from surrogate.errors import nearest
 
 from .errors import ScanError
 
-AXES = {sign + name: factor * np.eye(3)[k]
-        for k, name in enumerate("xyz") for sign, factor in (("", 1), ("-", -1))}
+AXES = {
+    sign + name: factor * np.eye(3)[k]
+    for k, name in enumerate("xyz")
+    for sign, factor in (("", 1), ("-", -1))
+}
 
 
 @dataclass(frozen=True)
@@ -26,8 +29,10 @@ class Directions:
         """From names like `z` or `-y`; raises ScanError."""
         if front is not None and up is None:
             raise ScanError(f"front {front} is given without up; give --up too, or neither")
-        found = [None if name is None else _axis(option, name)
-                 for option, name in (("up", up), ("front", front))]
+        found = [
+            None if name is None else _axis(option, name)
+            for option, name in (("up", up), ("front", front))
+        ]
         if front is not None and abs(found[0] @ found[1]) > 0.5:
             raise ScanError(f"up {up} and front {front} are the same axis; give two different ones")
         return cls(*found)

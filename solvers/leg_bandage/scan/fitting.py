@@ -87,8 +87,10 @@ class FittedScan:
     @property
     def coordinates(self) -> dict[str, float]:
         """length and alpha1 ... by name."""
-        return {"length": self.length,
-                **{f"alpha{k}": alpha for k, alpha in enumerate(self.alphas, 1)}}
+        return {
+            "length": self.length,
+            **{f"alpha{k}": alpha for k, alpha in enumerate(self.alphas, 1)},
+        }
 
     @property
     def in_range(self) -> dict[str, bool]:
@@ -96,8 +98,10 @@ class FittedScan:
 
         A leg that is itself the largest is inside: rounding is let pass.
         """
-        return {name: low - ROUNDING <= self.coordinates[name] <= high + ROUNDING
-                for name, (low, high) in self.ranges.items()}
+        return {
+            name: low - ROUNDING <= self.coordinates[name] <= high + ROUNDING
+            for name, (low, high) in self.ranges.items()
+        }
 
     @cached_property
     def residual(self) -> np.ndarray:
@@ -109,10 +113,18 @@ class FittedScan:
         return ((self.sections.points - fitted) * normal).sum(axis=-1)
 
 
-def fit_scan(path: str | Path, *, side: str = "auto", unit: str | None = None,
-             up: str | None = None, front: str | None = None, length: float | None = None,
-             ends: bool = False, basis: Basis | None = None,
-             lengths: tuple[float, float] | None = None) -> FittedScan:
+def fit_scan(
+    path: str | Path,
+    *,
+    side: str = "auto",
+    unit: str | None = None,
+    up: str | None = None,
+    front: str | None = None,
+    length: float | None = None,
+    ends: bool = False,
+    basis: Basis | None = None,
+    lengths: tuple[float, float] | None = None,
+) -> FittedScan:
     """Fit the scan of a lower leg in an STL, PLY or OBJ file; raises ScanError.
 
     side     right, left, or auto: the side that fits better, if it does so clearly
@@ -137,10 +149,17 @@ def fit_scan(path: str | Path, *, side: str = "auto", unit: str | None = None,
             body = stand(body, cuts.levels, known)
             cuts = find_cuts(body, start.zone, length, ends)
         sections = _sections(body, cuts)
-        notes = (*surface.notes, about_unit, leg.note, _about_pose(known), *cuts.notes,
-                 *_about_holes(sections))
-        return _fitted(Path(path), sections, basis, lengths or _shipped_lengths(), leg.side,
-                       found, notes)
+        notes = (
+            *surface.notes,
+            about_unit,
+            leg.note,
+            _about_pose(known),
+            *cuts.notes,
+            *_about_holes(sections),
+        )
+        return _fitted(
+            Path(path), sections, basis, lengths or _shipped_lengths(), leg.side, found, notes
+        )
     except ScanError as error:
         raise ScanError(f"{path}: {error}") from None
 
@@ -153,8 +172,10 @@ def _shipped_lengths() -> tuple[float, float]:
 def _about_pose(known: Directions) -> str:
     """The sentence that says which directions came from the user."""
     if known.up is None:
-        return ("direction told by the shape: turned to fit the mean leg, which takes out any "
-                "tilt; give --up to keep it")
+        return (
+            "direction told by the shape: turned to fit the mean leg, which takes out any "
+            "tilt; give --up to keep it"
+        )
     return "up as given; front " + ("told by the shape" if known.front is None else "as given")
 
 
@@ -165,8 +186,10 @@ def _check(side: str, unit: str | None, length: float | None, ends: bool) -> Non
     if unit is not None and unit not in UNITS:
         raise ScanError(f"unit {unit!r} is unknown; {nearest(unit, UNITS)}")
     if length is not None and not 100 <= length <= 500:
-        raise ScanError(f"a length of {length:g} mm is not one of a lower leg (100 to 500 mm); "
-                        "give it in millimetres")
+        raise ScanError(
+            f"a length of {length:g} mm is not one of a lower leg (100 to 500 mm); "
+            "give it in millimetres"
+        )
     if length is not None and ends:
         raise ScanError("either a length or the ends of the scan can set the upper cut; give one")
 
@@ -197,17 +220,24 @@ class _Sided:
 
 def _sided(start: Start, basis: Basis, side: str, length: float | None, ends: bool) -> _Sided:
     """The leg taken for the side that is given, or for the one that clearly fits better."""
-    tried = [_settled(name, start if name == "right" else as_left(start, basis), basis, length,
-                      ends) for name in (SIDES[1:] if side == "auto" else (side,))]
+    tried = [
+        _settled(name, start if name == "right" else as_left(start, basis), basis, length, ends)
+        for name in (SIDES[1:] if side == "auto" else (side,))
+    ]
     best, *others = sorted(tried, key=lambda one: one.missed)
     if not others:
         return replace(best, note=f"{best.side} leg, as given")
     worse = others[0].missed / best.missed - 1
     if worse < SURE_OF_SIDE:
-        raise ScanError("the shape does not tell whether this is a right or a left leg (the other "
-                        f"side fits only {worse:.0%} worse); give --side right or --side left")
-    return replace(best, note=f"{best.side} leg: told by the shape, the other side fits "
-                              f"{worse:.0%} worse; give --side if that is wrong")
+        raise ScanError(
+            "the shape does not tell whether this is a right or a left leg (the other "
+            f"side fits only {worse:.0%} worse); give --side right or --side left"
+        )
+    return replace(
+        best,
+        note=f"{best.side} leg: told by the shape, the other side fits "
+        f"{worse:.0%} worse; give --side if that is wrong",
+    )
 
 
 def _settled(side: str, start: Start, basis: Basis, length: float | None, ends: bool) -> _Sided:
@@ -239,27 +269,49 @@ def _about_holes(sections: Sections) -> tuple[str, ...]:
     return (f"holes make up {holes:.1%} of the skin; they are filled smoothly",) if holes else ()
 
 
-def _fitted(path: Path, sections: Sections, basis: Basis, lengths: tuple[float, float],
-            side: str, unit: str, notes: tuple[str, ...]) -> FittedScan:
+def _fitted(
+    path: Path,
+    sections: Sections,
+    basis: Basis,
+    lengths: tuple[float, float],
+    side: str,
+    unit: str,
+    notes: tuple[str, ...],
+) -> FittedScan:
     """The modes put to the sections; raises ScanError when they miss too much."""
     length = float(np.ptp(sections.z))
     alphas = basis.project(shape_of(sections))
     leg = Leg.from_alphas(length, alphas, basis)
     away = np.linalg.norm(sections.points - leg.surface(THETA, leg.z[:, None]), axis=-1)
     away = away[~sections.missing]
-    error = Error(float(np.sqrt((away**2).mean())), float(np.percentile(away, 95)),
-                  float(away.max()))
+    error = Error(
+        float(np.sqrt((away**2).mean())), float(np.percentile(away, 95)), float(away.max())
+    )
     if error.rms > NO_LEG:
-        raise ScanError(f"the nearest leg of the basis misses the scan by "
-                        f"{error.rms:.1f} mm (RMS; at most {NO_LEG:g}): this is hardly a lower "
-                        "leg; cut the scan to the part from ankle to knee, or say its direction "
-                        "with --up")
-    ranges = {"length": lengths, **{f"alpha{k}": (float(low), float(high))
-                                    for k, (low, high) in enumerate(basis.ranges, 1)}}
+        raise ScanError(
+            f"the nearest leg of the basis misses the scan by "
+            f"{error.rms:.1f} mm (RMS; at most {NO_LEG:g}): this is hardly a lower "
+            "leg; cut the scan to the part from ankle to knee, or say its direction "
+            "with --up"
+        )
+    ranges = {
+        "length": lengths,
+        **{f"alpha{k}": (float(low), float(high)) for k, (low, high) in enumerate(basis.ranges, 1)},
+    }
     scanned = Leg.from_sections(length, sections.series, sections.centre)
-    return FittedScan(path, leg, scanned, sections, length, tuple(map(float, alphas)), ranges,
-                      error, side, unit, (*notes, *_possible(leg, "fitted"),
-                                          *_possible(scanned, "scanned")))
+    return FittedScan(
+        path,
+        leg,
+        scanned,
+        sections,
+        length,
+        tuple(map(float, alphas)),
+        ranges,
+        error,
+        side,
+        unit,
+        (*notes, *_possible(leg, "fitted"), *_possible(scanned, "scanned")),
+    )
 
 
 def _possible(leg: Leg, which: str) -> tuple[str, ...]:

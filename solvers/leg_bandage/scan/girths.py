@@ -51,13 +51,14 @@ class Zone:
     calf_girth: float
 
 
-def complete_levels(vertices: np.ndarray, triangles: np.ndarray, levels: int = LEVELS,
-                    complete: float = COMPLETE) -> np.ndarray:
+def complete_levels(
+    vertices: np.ndarray, triangles: np.ndarray, levels: int = LEVELS, complete: float = COMPLETE
+) -> np.ndarray:
     """Equally spaced levels (n,) from the first to the last complete section; empty if none."""
     low, high = vertices[:, 2].min(), vertices[:, 2].max()
     z = np.linspace(low, high, levels + 2)[1:-1]
     whole = np.flatnonzero(coverage(vertices, triangles, z) >= complete)
-    return z[whole[0]:whole[-1] + 1] if len(whole) > 1 else z[:0]
+    return z[whole[0] : whole[-1] + 1] if len(whole) > 1 else z[:0]
 
 
 def profile(vertices: np.ndarray, triangles: np.ndarray) -> Profile:
@@ -96,8 +97,9 @@ def _zone(z: np.ndarray, girth: np.ndarray, ankle: int) -> Zone:
     """The zone above an ankle; its calf is the first maximum that the girth then falls from."""
     above = girth[ankle:]
     highest = np.maximum.accumulate(above)
-    fallen = np.flatnonzero((above < (1 - FALL) * highest)
-                            & (highest > CALF_OVER_ANKLE[0] * above[0]))
+    fallen = np.flatnonzero(
+        (above < (1 - FALL) * highest) & (highest > CALF_OVER_ANKLE[0] * above[0])
+    )
     end = fallen[0] if len(fallen) else len(above)
     calf = ankle + above[:end].argmax()
     return Zone(z[ankle], girth[ankle], _peak(z, girth, calf), girth[calf])
@@ -106,7 +108,7 @@ def _zone(z: np.ndarray, girth: np.ndarray, ankle: int) -> Zone:
 def _peak(z: np.ndarray, girth: np.ndarray, at: int) -> float:
     """Height of a flat maximum: the middle of the levels within half a per cent of it."""
     near = girth >= 0.995 * girth[at]
-    low = at - np.argmin(near[at::-1]) + 1 if not near[:at + 1].all() else 0
+    low = at - np.argmin(near[at::-1]) + 1 if not near[: at + 1].all() else 0
     high = at + np.argmin(near[at:]) - 1 if not near[at:].all() else len(z) - 1
     return float(z[at]) if high == len(z) - 1 or low == 0 else float(z[low] + z[high]) / 2
 
@@ -114,5 +116,7 @@ def _peak(z: np.ndarray, girth: np.ndarray, at: int) -> float:
 def _plausible(zone: Zone) -> bool:
     ratio = zone.calf_girth / zone.ankle_girth
     reach = (zone.calf - zone.ankle) / zone.ankle_girth
-    return (CALF_OVER_ANKLE[0] <= ratio <= CALF_OVER_ANKLE[1]
-            and REACH_OVER_ANKLE[0] <= reach <= REACH_OVER_ANKLE[1])
+    return (
+        CALF_OVER_ANKLE[0] <= ratio <= CALF_OVER_ANKLE[1]
+        and REACH_OVER_ANKLE[0] <= reach <= REACH_OVER_ANKLE[1]
+    )

@@ -140,9 +140,11 @@ def _misfits(sections: Sections, basis: Basis) -> np.ndarray:
     waves = (series[:, 1:6] + 1j * series[:, 6:]) * phase
     mean = np.broadcast_to(series[:, :1], (*waves.shape[:2], 1))
     place = place * np.exp(1j * TURNS)[:, None]
-    shapes = snapshot(np.concatenate([mean, waves.real, waves.imag], axis=-1),
-                      np.stack([place.real, place.imag], axis=-1),
-                      np.full(len(TURNS), np.ptp(sections.z)))
+    shapes = snapshot(
+        np.concatenate([mean, waves.real, waves.imag], axis=-1),
+        np.stack([place.real, place.imag], axis=-1),
+        np.full(len(TURNS), np.ptp(sections.z)),
+    )
     return np.linalg.norm(lost(shapes, basis, 1), axis=1) / np.linalg.norm(shapes, axis=1)
 
 
@@ -154,8 +156,9 @@ def lost(shapes: np.ndarray, basis: Basis, modes: int) -> np.ndarray:
 
 def shape_of(sections: Sections) -> np.ndarray:
     """Snapshot (1300,) of sections, centres about the lowest."""
-    return snapshot(sections.series, sections.centre - sections.centre[0],
-                    sections.z[-1] - sections.z[0])
+    return snapshot(
+        sections.series, sections.centre - sections.centre[0], sections.z[-1] - sections.z[0]
+    )
 
 
 def turn_to_mean(body: Body, z: np.ndarray, basis: Basis) -> tuple[Body, float]:
@@ -167,8 +170,9 @@ def turn_to_mean(body: Body, z: np.ndarray, basis: Basis) -> tuple[Body, float]:
     body = _centred(body, z)
     here = _misfit_of(body, z, basis)
     turns = [Rotation.from_rotvec(DIFFERENCE * axis).as_matrix() for axis in np.eye(3)]
-    columns = [(_misfit_of(_about(body, turn, z[0]), z, basis) - here) / DIFFERENCE
-               for turn in turns]
+    columns = [
+        (_misfit_of(_about(body, turn, z[0]), z, basis) - here) / DIFFERENCE for turn in turns
+    ]
     step = -np.linalg.lstsq(np.column_stack(columns), here, rcond=None)[0]
     turn = Rotation.from_rotvec(step).as_matrix()
     return _about(body, turn, z[0]), float(np.linalg.norm(step))
@@ -196,9 +200,11 @@ def stand(body: Body, z: np.ndarray, known: Directions) -> Body:
 def _credible(which: str, given: np.ndarray, told) -> None:
     apart = np.degrees(np.arccos(np.clip(given @ told, -1, 1)))
     if apart > CREDIBLE:
-        raise ScanError(f"the direction given as {which} is {apart:.0f} degrees from that which "
-                        f"the shape of the leg tells (at most {CREDIBLE:g}); give another "
-                        f"--{which}, or leave it out")
+        raise ScanError(
+            f"the direction given as {which} is {apart:.0f} degrees from that which "
+            f"the shape of the leg tells (at most {CREDIBLE:g}); give another "
+            f"--{which}, or leave it out"
+        )
 
 
 def _centred(body: Body, z: np.ndarray) -> Body:

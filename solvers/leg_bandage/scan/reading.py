@@ -42,8 +42,10 @@ def read_surface(path: str | Path) -> Surface:
     path = Path(path)
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
-        raise ScanError(f"{path}: '{path.suffix}' is not a format that is read here; save the "
-                        f"scan as {', '.join(FORMATS)}")
+        raise ScanError(
+            f"{path}: '{path.suffix}' is not a format that is read here; save the "
+            f"scan as {', '.join(FORMATS)}"
+        )
     vertices, triangles = _load(path, kind)
     vertices, triangles = _merged(path, vertices, triangles)
     return _largest_piece(path, vertices, triangles)
@@ -58,18 +60,24 @@ def _load(path: Path, kind: str) -> tuple[np.ndarray, np.ndarray]:
     try:
         parts = _scene(path, kind).dump()
     except Exception as error:  # the reader raises whatever a broken file leads it to
-        raise ScanError(f"{path}: is not a mesh in the format {kind} ({_line(error)}); export "
-                        "the scan again as binary STL or PLY") from None
+        raise ScanError(
+            f"{path}: is not a mesh in the format {kind} ({_line(error)}); export "
+            "the scan again as binary STL or PLY"
+        ) from None
     meshes = [part for part in parts if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     points = sum(len(part.vertices) for part in parts if hasattr(part, "vertices"))
     if not meshes and points:
-        raise ScanError(f"{path}: holds {points} points and no triangles; make a surface from "
-                        "them first (Poisson reconstruction in MeshLab, for example)")
+        raise ScanError(
+            f"{path}: holds {points} points and no triangles; make a surface from "
+            "them first (Poisson reconstruction in MeshLab, for example)"
+        )
     if not meshes:
         raise ScanError(f"{path}: holds no triangles; export the scan again as binary STL or PLY")
     first = np.cumsum([0] + [len(mesh.vertices) for mesh in meshes[:-1]])
-    return (np.concatenate([mesh.vertices for mesh in meshes]).astype(float),
-            np.concatenate([mesh.faces + k for mesh, k in zip(meshes, first, strict=True)]))
+    return (
+        np.concatenate([mesh.vertices for mesh in meshes]).astype(float),
+        np.concatenate([mesh.faces + k for mesh, k in zip(meshes, first, strict=True)]),
+    )
 
 
 def _scene(path: Path, kind: str) -> trimesh.Scene:
@@ -83,10 +91,13 @@ def _scene(path: Path, kind: str) -> trimesh.Scene:
         content = path.read_bytes()
     head, end, rest = content.partition(b"end_header") if kind == "ply" else (content, b"", b"")
     if b"\0" in head:
-        raise ValueError("neither text nor as long as a binary file says that it is: cut short, or "
-                         "of another format")
-    return trimesh.load_scene(BytesIO(head.translate(_ASCII) + end + rest), file_type=kind,
-                              process=False)
+        raise ValueError(
+            "neither text nor as long as a binary file says that it is: cut short, or "
+            "of another format"
+        )
+    return trimesh.load_scene(
+        BytesIO(head.translate(_ASCII) + end + rest), file_type=kind, process=False
+    )
 
 
 def _line(error: Exception) -> str:
@@ -97,24 +108,33 @@ def _line(error: Exception) -> str:
     return f"{type(error).__name__}: {words[0][:80]}" if words else type(error).__name__
 
 
-def _merged(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> tuple[
-        np.ndarray, np.ndarray]:
+def _merged(
+    path: Path, vertices: np.ndarray, triangles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Corners at the same place made one (STL repeats them), flat triangles left out."""
     used = vertices[np.unique(triangles)]
     if not np.isfinite(used).all():
-        raise ScanError(f"{path}: {(~np.isfinite(used)).any(axis=1).sum()} corners have no finite "
-                        "coordinates; export the scan again")
+        raise ScanError(
+            f"{path}: {(~np.isfinite(used)).any(axis=1).sum()} corners have no finite "
+            "coordinates; export the scan again"
+        )
     size = np.ptp(used, axis=0).max()
     if size == 0:
         raise ScanError(f"{path}: all corners lie in one point; export the scan again")
-    _, keep, same = np.unique(np.round((vertices - used.min(axis=0)) / (MERGE * size)), axis=0,
-                              return_index=True, return_inverse=True)
+    _, keep, same = np.unique(
+        np.round((vertices - used.min(axis=0)) / (MERGE * size)),
+        axis=0,
+        return_index=True,
+        return_inverse=True,
+    )
     triangles = same.ravel()[triangles]
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (c != a)]
     if len(triangles) < LEAST_TRIANGLES:
-        raise ScanError(f"{path}: {len(triangles)} triangles cannot show a leg (at least "
-                        f"{LEAST_TRIANGLES}, best 5 000 and more); export a finer mesh")
+        raise ScanError(
+            f"{path}: {len(triangles)} triangles cannot show a leg (at least "
+            f"{LEAST_TRIANGLES}, best 5 000 and more); export a finer mesh"
+        )
     return vertices[keep], triangles
 
 
@@ -127,13 +147,16 @@ def _largest_piece(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> S
     areas = np.bincount(piece, weights=triangle_areas(vertices[triangles]))
     share = areas.max() / areas.sum()
     if share < LARGEST_SHARE:
-        raise ScanError(f"{path}: falls into {len(names)} pieces, the largest with {share:.0%} of "
-                        "the area; cut out one leg, or close the gaps between its parts, and "
-                        "export that alone")
+        raise ScanError(
+            f"{path}: falls into {len(names)} pieces, the largest with {share:.0%} of "
+            "the area; cut out one leg, or close the gaps between its parts, and "
+            "export that alone"
+        )
     notes = ()
     if len(names) > 1:
-        notes = (f"the scan has {len(names)} pieces; the largest, {share:.1%} of the area, is "
-                 "taken",)
+        notes = (
+            f"the scan has {len(names)} pieces; the largest, {share:.1%} of the area, is taken",
+        )
     triangles = triangles[piece == areas.argmax()]
     used, triangles = np.unique(triangles, return_inverse=True)
     return Surface(vertices[used], triangles.reshape(-1, 3), notes)
@@ -141,5 +164,9 @@ def _largest_piece(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> S
 
 def triangle_areas(corners: np.ndarray) -> np.ndarray:
     """Areas (m,) of triangles (m, 3 corners, 3)."""
-    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
-                          axis=1) / 2
+    return (
+        np.linalg.norm(
+            np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+        )
+        / 2
+    )

@@ -25,19 +25,24 @@ legs have 0.04 and more."""
 
 def why_no_leg(body: Body) -> str:
     """The sentence for a body in which no ankle with a calf above it was found."""
-    shown, body = max(((_shown(turned), turned) for turned in along_principal(body)),
-                      key=lambda pair: pair[0])
+    shown, body = max(
+        ((_shown(turned), turned) for turned in along_principal(body)), key=lambda pair: pair[0]
+    )
     if shown < COMPLETE:
-        return (f"along its length the scan shows {shown:.0%} of the circumference (median; at "
-                f"least {COMPLETE:.0%} is needed); scan the leg all around and up to the knee, or "
-                "close the gap")
+        return (
+            f"along its length the scan shows {shown:.0%} of the circumference (median; at "
+            f"least {COMPLETE:.0%} is needed); scan the leg all around and up to the knee, or "
+            "close the gap"
+        )
     girth = profile(body.vertices, body.triangles).girth
     found = f"from {girth.min():.4g} to {girth.max():.4g}" if len(girth) else "unknown"
-    return (f"no leg is found: along its axis, {np.ptp(body.vertices[:, 2]):.4g} long, the girth "
-            f"of the scan is {found} (in the unit of the file). A lower leg has a narrow ankle "
-            f"and, {REACH_OVER_ANKLE[0]:g} to {REACH_OVER_ANKLE[1]:g} ankle girths above it, a "
-            f"calf {CALF_OVER_ANKLE[0]:g} to {CALF_OVER_ANKLE[1]:g} times as wide; scan from the "
-            "ankle to the knee")
+    return (
+        f"no leg is found: along its axis, {np.ptp(body.vertices[:, 2]):.4g} long, the girth "
+        f"of the scan is {found} (in the unit of the file). A lower leg has a narrow ankle "
+        f"and, {REACH_OVER_ANKLE[0]:g} to {REACH_OVER_ANKLE[1]:g} ankle girths above it, a "
+        f"calf {CALF_OVER_ANKLE[0]:g} to {CALF_OVER_ANKLE[1]:g} times as wide; scan from the "
+        "ankle to the knee"
+    )
 
 
 def check_skin(body: Body, zone: Zone) -> None:
@@ -47,17 +52,21 @@ def check_skin(body: Body, zone: Zone) -> None:
     series = found.series
     uneven = float(np.sqrt(((series[:, 1:] / series[:, :1]) ** 2).sum(axis=1).mean() / 2))
     if uneven < ROUND:
-        raise ScanError("no leg is found: all sections of the scan are circles (they differ from "
-                        f"circles by {uneven:.1%} of the radius, legs by {ROUND:.0%} and more); "
-                        "scan a leg")
+        raise ScanError(
+            "no leg is found: all sections of the scan are circles (they differ from "
+            f"circles by {uneven:.1%} of the radius, legs by {ROUND:.0%} and more); "
+            "scan a leg"
+        )
 
 
 def check_holes(sections: Sections) -> None:
     """Raise ScanError when more of the skin is missing than can be filled."""
     holes = sections.missing.mean()
     if holes > LARGEST_HOLES:
-        raise ScanError(f"holes make up {holes:.0%} of the skin between ankle and calf (at most "
-                        f"{LARGEST_HOLES:.0%}); scan the leg all around, or close them")
+        raise ScanError(
+            f"holes make up {holes:.0%} of the skin between ankle and calf (at most "
+            f"{LARGEST_HOLES:.0%}); scan the leg all around, or close them"
+        )
 
 
 def _shown(body: Body) -> float:

@@ -84,8 +84,9 @@ def coverage(vertices: np.ndarray, triangles: np.ndarray, z: np.ndarray) -> np.n
     return np.isfinite(_radii(level, segments - centre[level][:, None], len(z))).mean(axis=1)
 
 
-def _segments(vertices: np.ndarray, triangles: np.ndarray, z: np.ndarray) -> tuple[
-        np.ndarray, np.ndarray]:
+def _segments(
+    vertices: np.ndarray, triangles: np.ndarray, z: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Level (p,) and ends (p, 2), x + i y, of the segments that the triangles leave at z."""
     step = z[1] - z[0]
     height = [vertices[corner, 2] for corner in triangles.T]
@@ -126,8 +127,10 @@ def _middles(level: np.ndarray, segments: np.ndarray, levels: int) -> np.ndarray
     length = np.abs(segments[:, 1] - segments[:, 0])
     middle = segments.mean(axis=1)
     total = np.bincount(level, weights=length, minlength=levels)
-    x, y = (np.bincount(level, weights=length * part, minlength=levels)
-            for part in (middle.real, middle.imag))
+    x, y = (
+        np.bincount(level, weights=length * part, minlength=levels)
+        for part in (middle.real, middle.imag)
+    )
     met, every = np.flatnonzero(total > 0), np.arange(levels)
     safe = total[met]
     return np.interp(every, met, x[met] / safe) + 1j * np.interp(every, met, y[met] / safe)
@@ -145,8 +148,9 @@ def _radii(level: np.ndarray, segments: np.ndarray, levels: int) -> np.ndarray:
     ray = _runs(first, count)
     begin, along = segments[owner, 0], segments[owner, 1] - segments[owner, 0]
     across = (np.exp(-1j * spacing * ray) * along).imag
-    along_ray = np.divide((begin.conj() * along).imag, across, out=np.abs(begin),
-                          where=np.abs(across) > 1e-12)
+    along_ray = np.divide(
+        (begin.conj() * along).imag, across, out=np.abs(begin), where=np.abs(across) > 1e-12
+    )
     radius = np.full((levels, RAYS), -np.inf)
     np.maximum.at(radius, (level[owner], ray % RAYS), along_ray)
     return radius

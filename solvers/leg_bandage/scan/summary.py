@@ -15,11 +15,18 @@ from .fitting import FittedScan
 def figures(scan: FittedScan) -> dict[str, Any]:
     """Everything but the shape itself; lengths in mm."""
     return {
-        "file": str(scan.path), "side": scan.side, "unit": scan.unit, "length": scan.length,
-        "alphas": list(scan.alphas), "ranges": {k: list(v) for k, v in scan.ranges.items()},
-        "in_range": scan.in_range, "error": asdict(scan.error),
+        "file": str(scan.path),
+        "side": scan.side,
+        "unit": scan.unit,
+        "length": scan.length,
+        "alphas": list(scan.alphas),
+        "ranges": {k: list(v) for k, v in scan.ranges.items()},
+        "in_range": scan.in_range,
+        "error": asdict(scan.error),
         "landmarks": {"scanned": landmarks_of(scan.scanned), "fitted": landmarks_of(scan.leg)},
-        "holes": float(scan.sections.missing.mean()), "notes": list(scan.notes)}
+        "holes": float(scan.sections.missing.mean()),
+        "notes": list(scan.notes),
+    }
 
 
 def landmarks_of(leg: Leg) -> dict[str, Any]:
@@ -29,8 +36,10 @@ def landmarks_of(leg: Leg) -> dict[str, Any]:
     from shape coordinates: on scanned ones noise moves it.
     """
     ankle, ankle_z, calf, calf_z = extreme_girths(leg)
-    found: dict[str, Any] = {"ankle": {"height": ankle_z, "girth": ankle},
-                             "calf": {"height": calf_z, "girth": calf}}
+    found: dict[str, Any] = {
+        "ankle": {"height": ankle_z, "girth": ankle},
+        "calf": {"height": calf_z, "girth": calf},
+    }
     for rule in RULES:
         found[f"b1_{rule}"] = _b1(leg, rule)
     return found

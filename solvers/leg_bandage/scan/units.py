@@ -23,10 +23,18 @@ def unit_of(ankle_girth: float, unit: str | None) -> str:
         return fitting[0]
     if unit in fitting:
         return unit
-    cure = f"the size fits the unit {fitting[0]}: give --unit {fitting[0]} or leave it out" \
-        if fitting else "cut the scan to one lower leg, or scale it"
-    measured = f"{ankle_girth * UNITS[unit]:.4g} mm in the unit {unit}" if unit else \
-        "; ".join(f"{ankle_girth * size:.4g} mm in the unit {name}" for name, size in
-                  UNITS.items())
-    raise ScanError(f"the narrowest girth, {measured}, is not that of an ankle "
-                    f"({low:g} to {high:g} mm); {cure}")
+    cure = (
+        f"the size fits the unit {fitting[0]}: give --unit {fitting[0]} or leave it out"
+        if fitting
+        else "cut the scan to one lower leg, or scale it"
+    )
+    measured = (
+        f"{ankle_girth * UNITS[unit]:.4g} mm in the unit {unit}"
+        if unit
+        else "; ".join(
+            f"{ankle_girth * size:.4g} mm in the unit {name}" for name, size in UNITS.items()
+        )
+    )
+    raise ScanError(
+        f"the narrowest girth, {measured}, is not that of an ankle ({low:g} to {high:g} mm); {cure}"
+    )

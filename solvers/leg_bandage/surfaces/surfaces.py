@@ -183,7 +183,5 @@ def interpolate_strip(values):
         matrix[1, 0] = matrix[1, -1] = 1.0
         moved = np.moveaxis(values, axis, 0).reshape(n, -1)
         solved = solve_banded((1, 1), matrix, moved)
-        values = np.moveaxis(
-            solved.reshape(np.moveaxis(values, axis, 0).shape), 0, axis
-        )
+        values = np.moveaxis(solved.reshape(np.moveaxis(values, axis, 0).shape), 0, axis)
     return values

@@ -110,8 +110,12 @@ def _hexahedra(nodes: np.ndarray) -> np.ndarray:
 
 def _with_named_boundaries(mesh: MeshHex, nodes: np.ndarray) -> MeshHex:
     """The mesh with its four boundaries, found by their nodes."""
-    places = {"bone": nodes[:, 0], "skin": nodes[:, -1], "bottom": nodes[..., 0],
-              "top": nodes[..., -1]}
+    places = {
+        "bone": nodes[:, 0],
+        "skin": nodes[:, -1],
+        "bottom": nodes[..., 0],
+        "top": nodes[..., -1],
+    }
     facets = mesh.facets
     named = {}
     for name, members in places.items():
@@ -125,9 +129,7 @@ def _check_orientation(points: np.ndarray) -> None:
     """Raise unless the edge vectors at every grid point span a positive volume."""
     around = np.roll(points, -1, axis=0) - points
     outward, up = np.diff(points, axis=1), np.diff(points, axis=2)
-    volume = np.einsum(
-        "...i,...i", np.cross(outward[:, :, :-1], around[:, :-1, :-1]), up[:, :-1]
-    )
+    volume = np.einsum("...i,...i", np.cross(outward[:, :, :-1], around[:, :-1, :-1]), up[:, :-1])
     if not volume.min() > 0:
         turn, _, layer = np.unravel_index(volume.argmin(), volume.shape)
         raise SolverError(

@@ -64,6 +64,7 @@ def settlement_exactly(pressure: float) -> float:
 
     With J = l the axial stress is c10 4/3 (l^(1/3) - l^(-5/3)) + kappa (l - 1) = -pressure.
     """
+
     def unbalanced(stretch):
         deviator = 4 / 3 * C10 * (stretch ** (1 / 3) - stretch ** (-5 / 3))
         return deviator + KAPPA * (stretch - 1) + pressure
@@ -71,8 +72,9 @@ def settlement_exactly(pressure: float) -> float:
     return HEIGHT * (1 - brentq(unbalanced, 0.3, 1.0, xtol=1e-14))
 
 
-def press(pressure: float, cells=(8, 8, 3), elements=(11, 9), twist: float = 0.0,
-          bending: float = 1e-3) -> Patch:
+def press(
+    pressure: float, cells=(8, 8, 3), elements=(11, 9), twist: float = 0.0, bending: float = 1e-3
+) -> Patch:
     """A strip of `elements` on a block with `cells` under it and in depth, under `pressure` (MPa).
 
     twist    angle (rad) by which the block's lines are turned in its middle
@@ -86,21 +88,36 @@ def press(pressure: float, cells=(8, 8, 3), elements=(11, 9), twist: float = 0.0
     own, weights = strip.stencil(np.stack(np.meshgrid(*columns, indexing="ij"), -1).reshape(-1, 2))
     points = Points(own, weights[0], share.ravel(), np.zeros(share.size, bool))
     face = nodes[..., -1]
-    contact = Contact(points, Skin(face), X, _nearest(points.at(X), X, face),
-                      np.zeros(share.size), ContactLaw(0.2))
+    contact = Contact(
+        points,
+        Skin(face),
+        X,
+        _nearest(points.at(X), X, face),
+        np.zeros(share.size),
+        ContactLaw(0.2),
+    )
     contact.close()
     shell = Shell(strip, (SIDE, SIDE), Fabric(0.3, 0.3, 0, 0.1, bending, bending, bending / 2), X)
     tissue = Tissue(mesh, C10, KAPPA, n_dofs=X.size)
     others = [shell, bandage_pressure(shell, pressure), _on_margin(mesh, face, pressure, X.size)]
-    problem = Problem([tissue], [contact], others, Viscosity(np.ones(len(X))),
-                      _walls(nodes), X.size, tolerances=Tolerances(force=1e-8))
+    problem = Problem(
+        [tissue],
+        [contact],
+        others,
+        Viscosity(np.ones(len(X))),
+        _walls(nodes),
+        X.size,
+        tolerances=Tolerances(force=1e-8),
+    )
     u, _ = problem.newton(np.zeros(X.size))
     contact.release(u)
     u, _ = problem.newton(u)
     inside = (slice(MARGIN, -MARGIN),) * 2
-    return Patch(contact.report(u)["p"].reshape(share.shape),
-                 -u.reshape(-1, 3)[face[inside], 2],
-                 float(tissue.linearise(u)[0][3 * nodes[..., 0].ravel() + 2].sum()))
+    return Patch(
+        contact.report(u)["p"].reshape(share.shape),
+        -u.reshape(-1, 3)[face[inside], 2],
+        float(tissue.linearise(u)[0][3 * nodes[..., 0].ravel() + 2].sum()),
+    )
 
 
 def block(cells, twist: float) -> tuple[MeshHex, np.ndarray]:
@@ -134,9 +151,15 @@ def _on_margin(mesh, face, pressure, n_dofs):
 
 def _walls(nodes):
     """Held dofs: normal to the floor and to the four walls."""
-    return np.unique(np.concatenate([
-        3 * nodes[[0, -1]].ravel(), 3 * nodes[:, [0, -1]].ravel() + 1,
-        3 * nodes[..., 0].ravel() + 2]))
+    return np.unique(
+        np.concatenate(
+            [
+                3 * nodes[[0, -1]].ravel(),
+                3 * nodes[:, [0, -1]].ravel() + 1,
+                3 * nodes[..., 0].ravel() + 2,
+            ]
+        )
+    )
 
 
 def _nearest(places, X, nodes):

@@ -59,11 +59,13 @@ def skin_pressure(leg: LegMesh, pressure: float) -> FollowerPressure:
     points = np.stack([skin[:, :-1], around[:, :-1], skin[:, 1:], around[:, 1:]], axis=-1)
     gauss = 0.5 + np.array([-1, 1]) / np.sqrt(12)
     x, y = (axis.ravel() for axis in np.meshgrid(gauss, gauss))
-    shapes = np.array([
-        [(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y],
-        [y - 1, 1 - y, -y, y],
-        [x - 1, -x, 1 - x, x],
-    ]).swapaxes(1, 2)
+    shapes = np.array(
+        [
+            [(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y],
+            [y - 1, 1 - y, -y, y],
+            [x - 1, -x, 1 - x, x],
+        ]
+    ).swapaxes(1, 2)
     return FollowerPressure(
         points.reshape(-1, 4), leg.mesh.p.T, shapes, np.full(4, 0.25), pressure, leg.n_dofs
     )

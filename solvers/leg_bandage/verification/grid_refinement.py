@@ -70,12 +70,17 @@ def _few(h, f):
     p = observed_order(h, f) if len(h) == 3 else np.nan
     if np.isnan(p):
         how = "two meshes" if len(h) == 2 else "no approach to a limit"
-        return Refined(np.nan, np.nan, np.full(len(h), CAREFUL * np.ptp(f)),
-                       f"{how}: three times the range")
+        return Refined(
+            np.nan, np.nan, np.full(len(h), CAREFUL * np.ptp(f)), f"{how}: three times the range"
+        )
     limit = f[2] + (f[2] - f[1]) / ((h[1] / h[2]) ** p - 1)
     believed = ORDERS[0] <= p <= ORDERS[1] + 0.1
-    return Refined(limit, p, (SAFE if believed else CAREFUL) * np.abs(f - limit),
-                   "monotone: Richardson" + ("" if believed else ", order not believed"))
+    return Refined(
+        limit,
+        p,
+        (SAFE if believed else CAREFUL) * np.abs(f - limit),
+        "monotone: Richardson" + ("" if believed else ", order not believed"),
+    )
 
 
 @dataclass(frozen=True)
@@ -118,8 +123,12 @@ def _free(h, f, weights):
     misses = [_fixed(h, f, weights, (p,), 3).deviation for p in grid]
     best = int(np.argmin(misses))
     around = grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)]
-    p = minimize_scalar(lambda p: _fixed(h, f, weights, (p,), 3).deviation, bounds=around,
-                        method="bounded", options={"xatol": 1e-6}).x
+    p = minimize_scalar(
+        lambda p: _fixed(h, f, weights, (p,), 3).deviation,
+        bounds=around,
+        method="bounded",
+        options={"xatol": 1e-6},
+    ).x
     return _fixed(h, f, weights, (p,), 3)
 
 

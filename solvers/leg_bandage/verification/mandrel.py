@@ -59,9 +59,18 @@ class Wound:
         return creep(self.problem, u, viscosity)[0]
 
 
-def wind(mandrel: Mandrel, wrap: Wrap, fabric: Fabric, law: ContactLaw, ns: int, nw: int,
-         between: ContactLaw | None = None, ring: bool = False, solver: str = "auto",
-         tolerances: Tolerances | None = None) -> Wound:
+def wind(
+    mandrel: Mandrel,
+    wrap: Wrap,
+    fabric: Fabric,
+    law: ContactLaw,
+    ns: int,
+    nw: int,
+    between: ContactLaw | None = None,
+    ring: bool = False,
+    solver: str = "auto",
+    tolerances: Tolerances | None = None,
+) -> Wound:
     """Lay a bandage on a mandrel; a ring is closed, otherwise both ends are held in place."""
     laid = lay(around(mandrel), wrap, ns, nw)
     strip, X = laid.strip, laid.X
@@ -70,8 +79,9 @@ def wind(mandrel: Mandrel, wrap: Wrap, fabric: Fabric, law: ContactLaw, ns: int,
     cover, area = laid.cover.ravel(), laid.area.ravel()
 
     def contact(surface, xi, share, which, rule):
-        points = Points(nodes[which], weights[0][which], (share * area)[which],
-                        np.zeros(len(which), bool))
+        points = Points(
+            nodes[which], weights[0][which], (share * area)[which], np.zeros(len(which), bool)
+        )
         part = Contact(points, surface, X, xi.reshape(-1, 2)[which], np.zeros(len(which)), rule)
         part.close()
         return part
@@ -85,13 +95,22 @@ def wind(mandrel: Mandrel, wrap: Wrap, fabric: Fabric, law: ContactLaw, ns: int,
     ends = rows[[0, 1, -2, -1]].ravel()
     fixed = 3 * ends + 1 if ring else (3 * ends[:, None] + np.arange(3)).ravel()
     contacts = [skin] if layers is None else [skin, layers]
-    problem = Problem([], contacts, [shell], Viscosity(nodal), fixed, X.size, solver,
-                      tolerances or Tolerances(force=1e-7, passing=1e-4))
+    problem = Problem(
+        [],
+        contacts,
+        [shell],
+        Viscosity(nodal),
+        fixed,
+        X.size,
+        solver,
+        tolerances or Tolerances(force=1e-7, passing=1e-4),
+    )
     return Wound(strip, X, laid.area, shell, skin, layers, problem)
 
 
-def ring_on_tube(mesh: LegMesh, fabric: Fabric, c10: float, kappa: float, law: ContactLaw,
-                 ns: int, nw: int) -> tuple[Wound, Tissue]:
+def ring_on_tube(
+    mesh: LegMesh, fabric: Fabric, c10: float, kappa: float, law: ContactLaw, ns: int, nw: int
+) -> tuple[Wound, Tissue]:
     """A closed ring over the whole height of a soft tube in plane strain, hole free.
 
     mesh is that of a straight tube; three nodes of its hole keep it from drifting.

@@ -47,16 +47,20 @@ def pinched_cylinder(n: int) -> float:
     R, L, E, t = 300.0, 600.0, 3e6, 3.0
     size = np.pi / 2 * R, L / 2
     strip = Strip(n, n)
-    start = laid(strip, size,
-                 lambda s, w: np.stack([R * np.sin(s / R), w, R * np.cos(s / R)], axis=-1))
+    start = laid(
+        strip, size, lambda s, w: np.stack([R * np.sin(s / R), w, R * np.cos(s / R)], axis=-1)
+    )
     shell = Shell(strip, size, isotropic(E, 0.3, t), start)
     shell = Shell(strip, size, shell.fabric, start, natural=shell.strains(np.zeros(start.size)))
-    basis = mirrored(strip, [
-        Edge(axis=0, last=False, odd=(0,), even=(1, 2)),
-        Edge(axis=0, last=True, odd=(2,), even=(0, 1)),
-        Edge(axis=1, last=False, odd=(0, 2)),
-        Edge(axis=1, last=True, odd=(1,), even=(0, 2)),
-    ])
+    basis = mirrored(
+        strip,
+        [
+            Edge(axis=0, last=False, odd=(0,), even=(1, 2)),
+            Edge(axis=0, last=True, odd=(2,), even=(0, 1)),
+            Edge(axis=1, last=False, odd=(0, 2)),
+            Edge(axis=1, last=True, odd=(1,), even=(0, 2)),
+        ],
+    )
     nodes, weights = (found[..., 0, :] for found in strip.stencil(np.array([[0.0, n]])))
     load = np.zeros(start.size)
     load[3 * nodes + 2] = -weights[0] / 4
@@ -131,7 +135,7 @@ def mirrored(strip: Strip, edges: Sequence[Edge]) -> csr_array:
     for edge in edges:
         components = [*edge.odd, *edge.even]
         signs = np.array([-1] * len(edge.odd) + [1] * len(edge.even))
-        outer, inner = ((-1, -2) if edge.last else (0, 1))
+        outer, inner = (-1, -2) if edge.last else (0, 1)
         there, here = [slice(None)] * 3, [slice(None)] * 3
         there[edge.axis], here[edge.axis] = outer, inner
         for component, factor in zip(components, signs, strict=True):

@@ -27,8 +27,16 @@ from ..equilibrium.model import MESHES, Mesh
 from ..plugin import LegBandage
 from .legs import validation_leg
 
-READ = ("pressure_b1", "pressure_ankle", "pressure_calf", "stretch_midline", "slip_max", "steps",
-        "iterations", "residual")
+READ = (
+    "pressure_b1",
+    "pressure_ankle",
+    "pressure_calf",
+    "stretch_midline",
+    "slip_max",
+    "steps",
+    "iterations",
+    "residual",
+)
 KEYS = ("code", "mesh", "case", "leg", "inputs")
 COLUMNS = (*KEYS, *READ, "cut_backs", "unknowns", "seconds", "message")
 
@@ -88,20 +96,27 @@ def solve(mesh: str, case: Case) -> dict[str, str | float]:
     problem = result.model.problem
     return row | {
         **{name: float(result.values[name]) for name in READ},
-        "cut_backs": problem.cost.cut_backs, "seconds": round(result.seconds, 2),
-        "unknowns": problem.ndof - len(np.unique(problem.fixed))}
+        "cut_backs": problem.cost.cut_backs,
+        "seconds": round(result.seconds, 2),
+        "unknowns": problem.ndof - len(np.unique(problem.fixed)),
+    }
 
 
 def key_of(mesh: str, case: Case) -> dict[str, str]:
     """What makes a run that run, as text; a mesh by its sizes, since names may change theirs."""
     sizes = "x".join(map(str, astuple(solver_on(mesh).mesh)))
-    return {"code": code(), "mesh": sizes, "case": case.name,
-            "leg": "" if case.leg is None else str(case.leg),
-            "inputs": json.dumps(dict(case.inputs))}
+    return {
+        "code": code(),
+        "mesh": sizes,
+        "case": case.name,
+        "leg": "" if case.leg is None else str(case.leg),
+        "inputs": json.dumps(dict(case.inputs)),
+    }
 
 
-def solve_all(cases: Iterable[Case], mesh: str, workers: int = 1,
-              table: Path | None = None) -> Iterator[dict[str, str | float]]:
+def solve_all(
+    cases: Iterable[Case], mesh: str, workers: int = 1, table: Path | None = None
+) -> Iterator[dict[str, str | float]]:
     """Rows of all cases, as they are done; those that `table` holds come first."""
     stored, todo = _stored(table), []
     for case in cases:
@@ -125,8 +140,10 @@ def _stored(table):
     with table.open(newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     numbers = [name for name in COLUMNS if name not in (*KEYS, "message")]
-    return {tuple(row[name] for name in KEYS):
-            row | {name: float(row[name]) for name in numbers} for row in rows}
+    return {
+        tuple(row[name] for name in KEYS): row | {name: float(row[name]) for name in numbers}
+        for row in rows
+    }
 
 
 def _append(table, row):

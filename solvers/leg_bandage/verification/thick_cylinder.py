@@ -105,14 +105,18 @@ def hooped_exactly(K1: float, layers: int, rest: float, c10: float) -> Hoop:
         return layers * K1 * (b / rest - 1) / b
 
     smallest = np.sqrt(OUTER**2 - INNER**2)
-    b = brentq(lambda b: outside_pressure(b) - band_pressure(b), smallest + 1e-3, OUTER,
-               xtol=1e-12)
+    b = brentq(lambda b: outside_pressure(b) - band_pressure(b), smallest + 1e-3, OUTER, xtol=1e-12)
     return Hoop(b, b / rest, band_pressure(b))
 
 
 def hooped(
-    K1: float, layers: int, rest: float, c10: float, kappa: float = KAPPA,
-    n_theta: int = 48, n_depth: int = 12,
+    K1: float,
+    layers: int,
+    rest: float,
+    c10: float,
+    kappa: float = KAPPA,
+    n_theta: int = 48,
+    n_depth: int = 12,
 ) -> Hoop:
     """The same by tissue and shell bonded together, in one step from the undeformed tube.
 

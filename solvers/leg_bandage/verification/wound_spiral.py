@@ -50,8 +50,15 @@ def spiral_on_cylinder(per_turn: int = 44) -> float:
     Upper layers reach the skin only through lower ones.
     """
     wrap = Wrap(0, 200, 50, 1.3, 100, 0.02)
-    spiral = wind(Mandrel(45, 45), wrap, limp(0.098), ContactLaw(0.2), 4 * per_turn, 20,
-                  between=ContactLaw(0.6))
+    spiral = wind(
+        Mandrel(45, 45),
+        wrap,
+        limp(0.098),
+        ContactLaw(0.2),
+        4 * per_turn,
+        20,
+        between=ContactLaw(0.6),
+    )
     u = spiral.let_go()
     row = spiral.skin.points.nodes[:, 0] // 22
     turn = (row >= 1.5 * per_turn) & (row < 2.5 * per_turn)
@@ -101,8 +108,9 @@ def curvature(a: float, b: float, angle):
 
 def capstan(mu: float) -> float:
     """V6: T2 / T1 over half a turn once the whole strip slides; exact exp(mu pi) (Euler 1769)."""
-    rope = wind(Mandrel(40, 40), Wrap(0, 1e-9, 2e-9, 1.1, 10, 1e-3), limp(0.098),
-                ContactLaw(mu), 60, 2)
+    rope = wind(
+        Mandrel(40, 40), Wrap(0, 1e-9, 2e-9, 1.1, 10, 1e-3), limp(0.098), ContactLaw(mu), 60, 2
+    )
     problem, u = rope.problem, np.zeros(rope.X.size)
     rope.skin.release(u)
     last = np.arange(rope.strip.size).reshape(62, 4)[-2:].ravel()
@@ -127,9 +135,16 @@ def creep_on_cone(alpha: float, share: float, tension: float, radius: float) -> 
     Exact: it rests when share is above 1 and never does below, whatever T and r.
     """
     limits = Tolerances(force=1e-7, passing=1e-4, rest=1e-9, steps=8, viscosity=(1e-4, 0.5))
-    hoop = wind(Mandrel(radius, radius, np.tan(alpha)), ring_wrap(20, height=60.0),
-                limp(tension), ContactLaw(share * np.tan(alpha)), 48, 4, ring=True,
-                tolerances=limits)
+    hoop = wind(
+        Mandrel(radius, radius, np.tan(alpha)),
+        ring_wrap(20, height=60.0),
+        limp(tension),
+        ContactLaw(share * np.tan(alpha)),
+        48,
+        4,
+        ring=True,
+        tolerances=limits,
+    )
     u = np.zeros(hoop.X.size)
     hoop.skin.release(u)
     for _ in range(8):
@@ -144,8 +159,15 @@ def stretches_on_cone(alpha: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
 
     Exact is 1.3 (1 + y sin(alpha) / r), y from the midline.
     """
-    hoop = wind(Mandrel(40, 40, np.tan(alpha)), ring_wrap(20, height=60.0), limp(0.098),
-                ContactLaw(0.2), 48, 4, ring=True)
+    hoop = wind(
+        Mandrel(40, 40, np.tan(alpha)),
+        ring_wrap(20, height=60.0),
+        limp(0.098),
+        ContactLaw(0.2),
+        48,
+        4,
+        ring=True,
+    )
     at = np.column_stack([np.full(3, 20.5), [0.0, 2.0, 4.0]])
     field = hoop.shell.at(np.zeros(hoop.X.size), at)
     radius = np.linalg.norm(field.point[1, :2])
@@ -177,5 +199,9 @@ def band_on_soft_tube(K1: float) -> OnTube:
     radius = float(np.linalg.norm(skin[:, :2], axis=1).mean())
     p = ring.skin.report(u)["p"]
     force = np.sum(p * ring.skin.points.area)
-    return OnTube(radius, float(field.warp_stretch.mean()),
-                  float(force / (2 * np.pi * radius * 20) / MMHG), float(p.std() / p.mean()))
+    return OnTube(
+        radius,
+        float(field.warp_stretch.mean()),
+        float(force / (2 * np.pi * radius * 20) / MMHG),
+        float(p.std() / p.mean()),
+    )

@@ -30,8 +30,9 @@ def accuracy_plot(names: Sequence[str], q2_cv, q2_test, output: str) -> Markup:
     marks = [rows.frame("Q² (–), 1 is perfect")]
     for place, name in enumerate(names):
         marks.append(rows.name(place, name))
-        marks += _scores(rows, place, name, {"hollow": float(q2_cv[place]),
-                                             "filled": float(q2_test[place])})
+        marks += _scores(
+            rows, place, name, {"hollow": float(q2_cv[place]), "filled": float(q2_test[place])}
+        )
     return drawing(WIDTH, rows.height, *marks, says=f"Q2 of {len(names)} surrogates for {output}")
 
 
@@ -40,15 +41,25 @@ def _scores(rows: Rows, place: int, name: str, scores: dict[str, float]) -> list
     y, at = rows.middle(place), rows.x.start + 4.0
     on = {kind: value for kind, value in scores.items() if value >= rows.x.low}
     off = {kind: value for kind, value in scores.items() if value < rows.x.low}
-    marks = [mark(kind, rows.x(value), y, 4.2,
-                  data_tip=f"{name}\nQ² {TITLES[kind]}: {digits.score(value)}")
-             for kind, value in on.items()]
+    marks = [
+        mark(
+            kind,
+            rows.x(value),
+            y,
+            4.2,
+            data_tip=f"{name}\nQ² {TITLES[kind]}: {digits.score(value)}",
+        )
+        for kind, value in on.items()
+    ]
     for kind, value in off.items():
         for disc in map(rows.x, on.values()):
             if at - DISC < disc < at + OFF_SCALE:
                 at = float(disc) + DISC
         tip = f"{name}\nQ² {TITLES[kind]}: {digits.score(value)}"
-        marks += [text(at, y + 4, "‹", "small"), mark(kind, at + 10.0, y, 3.0, data_tip=tip),
-                  text(at + 16.0, y + 4, digits.figure(value), "small")]
+        marks += [
+            text(at, y + 4, "‹", "small"),
+            mark(kind, at + 10.0, y, 3.0, data_tip=tip),
+            text(at + 16.0, y + 4, digits.figure(value), "small"),
+        ]
         at += OFF_SCALE
     return marks

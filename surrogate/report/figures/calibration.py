@@ -21,10 +21,26 @@ def calibration_plot(level, observed, runs: int, what: str) -> Markup:
     low, high = (stats.binom.ppf(tail, runs, shares) / runs for tail in (0.025, 0.975))
     edges = [*zip(panel.x(shares), panel.y(np.maximum(low, 0.0)), strict=True)]
     edges += [*zip(panel.x(shares), panel.y(np.maximum(high, 0.0)), strict=True)][::-1]
-    marks = [mark("filled", panel.x(x), panel.y(y), 4.0, data_tip=(
-        f"{digits.percent(float(x))} intervals\nhold {digits.percent(float(y))} of the values"))
-        for x, y in zip(level, observed, strict=True) if np.isfinite(y)]
+    marks = [
+        mark(
+            "filled",
+            panel.x(x),
+            panel.y(y),
+            4.0,
+            data_tip=(
+                f"{digits.percent(float(x))} intervals\nhold {digits.percent(float(y))} of the values"
+            ),
+        )
+        for x, y in zip(level, observed, strict=True)
+        if np.isfinite(y)
+    ]
     diagonal = line(panel.x(0.0), panel.y(0.0), panel.x(1.0), panel.y(1.0), "reference")
-    return drawing(360, 340, path(edges, "band", closed=True),
-                   panel.frame("level of the intervals (–)", "held-out values inside (–)"),
-                   diagonal, *marks, says=f"Calibration of the intervals of {what}")
+    return drawing(
+        360,
+        340,
+        path(edges, "band", closed=True),
+        panel.frame("level of the intervals (–)", "held-out values inside (–)"),
+        diagonal,
+        *marks,
+        says=f"Calibration of the intervals of {what}",
+    )

@@ -20,25 +20,34 @@ def coefficient_plot(terms, value, low, high, unit: str, surrogate: str) -> Mark
     interval. Shows the 30 largest by magnitude.
     """
     order = np.argsort(-np.abs(value), kind="stable")[:MOST]
-    numbers = [float(v) for v in np.concatenate([value[order], low[order], high[order]])
-               if np.isfinite(v)]
+    numbers = [
+        float(v) for v in np.concatenate([value[order], low[order], high[order]]) if np.isfinite(v)
+    ]
     rows = Rows.of([terms[k] for k in order], numbers, ROW, most=150.0)
     marks = [rows.frame(f"{digits.labelled('coefficient', unit)[:-1]} per coded unit)")]
     for place, k in enumerate(order):
         marks.append(rows.name(place, terms[k]))
-        marks.append(_term(rows, place, terms[k], tuple(map(float, (value[k], low[k], high[k]))),
-                           unit))
-    return drawing(WIDTH, rows.height, *marks,
-                   says=f"Coefficients of {surrogate} with intervals, largest first")
+        marks.append(
+            _term(rows, place, terms[k], tuple(map(float, (value[k], low[k], high[k]))), unit)
+        )
+    return drawing(
+        WIDTH,
+        rows.height,
+        *marks,
+        says=f"Coefficients of {surrogate} with intervals, largest first",
+    )
 
 
-def _term(rows: Rows, place: int, term: str, numbers: tuple[float, float, float],
-          unit: str) -> Markup:
+def _term(
+    rows: Rows, place: int, term: str, numbers: tuple[float, float, float], unit: str
+) -> Markup:
     """Stem from zero, whisker, and a disc: filled when zero lies outside the interval."""
     value, low, high = numbers
     y, bounded = rows.middle(place), np.isfinite(low) and np.isfinite(high)
     kind = "hollow" if bounded and low <= 0.0 <= high else "filled"
     tip = f"{term}\n{digits.with_unit(digits.with_interval(value, low, high), unit)}"
-    return group(line(rows.x(0.0), y, rows.x(value), y, "stem"),
-                 whisker(rows.x, low, high, y) if bounded else "",
-                 mark(kind, rows.x(value), y, data_tip=tip))
+    return group(
+        line(rows.x(0.0), y, rows.x(value), y, "stem"),
+        whisker(rows.x, low, high, y) if bounded else "",
+        mark(kind, rows.x(value), y, data_tip=tip),
+    )

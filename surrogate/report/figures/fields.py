@@ -16,8 +16,15 @@ from surrogate.report.drawing import Panel, drawing, group, path, span, tag, tex
 FINEST = 400
 
 
-def field_line(x, curves: dict[str, np.ndarray], x_label: str, y_label: str, says: str,
-               band: tuple[np.ndarray, np.ndarray] | None = None, y_span=None) -> Markup:
+def field_line(
+    x,
+    curves: dict[str, np.ndarray],
+    x_label: str,
+    y_label: str,
+    says: str,
+    band: tuple[np.ndarray, np.ndarray] | None = None,
+    y_span=None,
+) -> Markup:
     """Curves over one coordinate x (m,): class name -> (m,); `band` is (lower, upper)."""
     values = [*curves.values(), *(band or ())]
     panel = Panel.within(span(x, pad=0.0), y_span or span(*values), height=240.0)
@@ -25,13 +32,23 @@ def field_line(x, curves: dict[str, np.ndarray], x_label: str, y_label: str, say
     if band is not None:
         lower, upper = (list(zip(panel.x(x), panel.y(edge), strict=True)) for edge in band)
         marks.append(path(upper + lower[::-1], "band", closed=True))
-    marks += [path(zip(panel.x(x), panel.y(np.clip(curve, panel.y.low, panel.y.high)),
-                       strict=True), kind) for kind, curve in curves.items()]
+    marks += [
+        path(zip(panel.x(x), panel.y(np.clip(curve, panel.y.low, panel.y.high)), strict=True), kind)
+        for kind, curve in curves.items()
+    ]
     return drawing(360, 240, panel.frame(x_label, y_label), *marks, says=says)
 
 
-def field_map(x, y, values, x_label: str, y_label: str, label: str, says: str,
-              limits: tuple[float, float] | None = None) -> Markup:
+def field_map(
+    x,
+    y,
+    values,
+    x_label: str,
+    y_label: str,
+    label: str,
+    says: str,
+    limits: tuple[float, float] | None = None,
+) -> Markup:
     """Values (len(y), len(x)) as a map, dark where they are high, with its scale beside it."""
     low, high = limits or span(values, pad=0.0)
     panel = Panel.within(_edges(x), _edges(y), right=66.0, height=270.0)
@@ -39,10 +56,25 @@ def field_map(x, y, values, x_label: str, y_label: str, label: str, says: str,
     share = np.clip((shown - low) / (high - low), 0.0, 1.0)
     left, top = panel.x.start, panel.y.end
     width, height = panel.x.end - left, panel.y.start - top
-    image = tag("image", x=left, y=top, width=width, height=height, preserveAspectRatio="none",
-                href=_picture(share[::-1]), class_="map")
-    return drawing(360, 270, panel.frame(x_label, y_label), image, panel.baseline(),
-                   _key(panel, low, high, label), says=says)
+    image = tag(
+        "image",
+        x=left,
+        y=top,
+        width=width,
+        height=height,
+        preserveAspectRatio="none",
+        href=_picture(share[::-1]),
+        class_="map",
+    )
+    return drawing(
+        360,
+        270,
+        panel.frame(x_label, y_label),
+        image,
+        panel.baseline(),
+        _key(panel, low, high, label),
+        says=says,
+    )
 
 
 def _key(panel: Panel, low: float, high: float, label: str) -> Markup:
@@ -50,8 +82,18 @@ def _key(panel: Panel, low: float, high: float, label: str) -> Markup:
     left = panel.x.end + 12
     top, floor = panel.y.end, panel.y.start
     strip = np.linspace(1.0, 0.0, 64)[:, None]
-    marks = [tag("image", x=left, y=top, width=10.0, height=floor - top, class_="map",
-                 preserveAspectRatio="none", href=_picture(strip))]
+    marks = [
+        tag(
+            "image",
+            x=left,
+            y=top,
+            width=10.0,
+            height=floor - top,
+            class_="map",
+            preserveAspectRatio="none",
+            href=_picture(strip),
+        )
+    ]
     for share in (0.0, 0.5, 1.0):
         words = digits.figure(low + share * (high - low))
         marks.append(text(left + 13, floor + share * (top - floor) + 4, words, "tick"))
@@ -95,8 +137,12 @@ def _picture(share: np.ndarray) -> str:
     height, width = share.shape
     lines = b"".join(b"\0" + row.tobytes() for row in pixels)
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    png = (b"\x89PNG\r\n\x1a\n" + _chunk(b"IHDR", header)
-           + _chunk(b"IDAT", zlib.compress(lines, 9)) + _chunk(b"IEND", b""))
+    png = (
+        b"\x89PNG\r\n\x1a\n"
+        + _chunk(b"IHDR", header)
+        + _chunk(b"IDAT", zlib.compress(lines, 9))
+        + _chunk(b"IEND", b"")
+    )
     return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
 
 

@@ -24,20 +24,41 @@ def interaction_map(names, value, low, high, output: str) -> Markup:
     top, marks = 8.0, []
     for i in range(1, count):
         y = top + height * (i - 1)
-        marks.append(text(left - 7, y + height / 2 + 4, shortened(names[i], left - 7), "name",
-                          "end"))
+        marks.append(
+            text(left - 7, y + height / 2 + 4, shortened(names[i], left - 7), "name", "end")
+        )
         for j in range(i):
-            marks.append(_square(left + size * j, y, size, height, count <= WRITTEN, peak,
-                                 f"{names[j]} × {names[i]}",
-                                 (value[i, j], low[i, j], high[i, j])))
+            marks.append(
+                _square(
+                    left + size * j,
+                    y,
+                    size,
+                    height,
+                    count <= WRITTEN,
+                    peak,
+                    f"{names[j]} × {names[i]}",
+                    (value[i, j], low[i, j], high[i, j]),
+                )
+            )
     floor = top + height * (count - 1)
     for j in range(count - 1):
         x = left + size * (j + 0.5)
-        marks.append(tag("text", shortened(names[j], 90.0), class_="name", text_anchor="end",
-                         transform=f"translate({x + 4:.1f} {floor + 10:.1f}) rotate(-55)"))
+        marks.append(
+            tag(
+                "text",
+                shortened(names[j], 90.0),
+                class_="name",
+                text_anchor="end",
+                transform=f"translate({x + 4:.1f} {floor + 10:.1f}) rotate(-55)",
+            )
+        )
     below = min(90.0, label_room(names[:-1], 100.0)) * 0.82 + 12
-    return drawing(WIDTH, floor + below, *marks,
-                   says=f"Second-order Sobol' indices of the parameter pairs for {output}")
+    return drawing(
+        WIDTH,
+        floor + below,
+        *marks,
+        says=f"Second-order Sobol' indices of the parameter pairs for {output}",
+    )
 
 
 def _square(x, y, width, height, written, peak, pair, numbers) -> Markup:
@@ -45,11 +66,28 @@ def _square(x, y, width, height, written, peak, pair, numbers) -> Markup:
     known = np.isfinite(value)
     # Grey by the share of the largest pair: paper shows it as well as a screen does.
     shade = int(round(255 - 175 * max(0.0, value) / peak)) if known else 255
-    parts = [tag("rect", x=x + 1, y=y + 1, width=width - 2, height=height - 2, class_="cell",
-                 style=f"fill:rgb({shade},{shade},{shade})")]
+    parts = [
+        tag(
+            "rect",
+            x=x + 1,
+            y=y + 1,
+            width=width - 2,
+            height=height - 2,
+            class_="cell",
+            style=f"fill:rgb({shade},{shade},{shade})",
+        )
+    ]
     if written:
         words = digits.fixed(value, 3) if known else digits.NOTHING
-        parts.append(text(x + width / 2, y + height / 2 + 4, words,
-                          "tick light" if shade < 130 else "tick dark", "middle"))
-    return group(*parts, class_="hover",
-                 data_tip=f"{pair}\n{digits.with_interval(value, low, high)}")
+        parts.append(
+            text(
+                x + width / 2,
+                y + height / 2 + 4,
+                words,
+                "tick light" if shade < 130 else "tick dark",
+                "middle",
+            )
+        )
+    return group(
+        *parts, class_="hover", data_tip=f"{pair}\n{digits.with_interval(value, low, high)}"
+    )

@@ -15,42 +15,66 @@ def parity_plot(data: Parity, output: str, unit: str, surrogate: str) -> Markup:
     reach = np.where(np.isfinite(data.half), data.half, 0.0)
     both = span(data.observed, data.predicted + reach, data.predicted - reach)
     panel = Panel.within(both, both, height=340.0)
-    diagonal = line(panel.x(both[0]), panel.y(both[0]), panel.x(both[1]), panel.y(both[1]),
-                    "reference")
-    bars = [line(panel.x(x), panel.y(y - half), panel.x(x), panel.y(y + half), "bar")
-            for x, y, half in zip(data.observed, data.predicted, data.half, strict=True)
-            if np.isfinite(half)]
+    diagonal = line(
+        panel.x(both[0]), panel.y(both[0]), panel.x(both[1]), panel.y(both[1]), "reference"
+    )
+    bars = [
+        line(panel.x(x), panel.y(y - half), panel.x(x), panel.y(y + half), "bar")
+        for x, y, half in zip(data.observed, data.predicted, data.half, strict=True)
+        if np.isfinite(half)
+    ]
     marks = _marks(panel, data, data.observed, data.predicted, unit)
     return drawing(
-        360, 340,
+        360,
+        340,
         panel.frame(digits.labelled("solver", unit), digits.labelled("surrogate", unit)),
-        diagonal, group(*bars), group(*marks),
-        says=f"Parity of {surrogate} for {output}: {len(data.run)} runs, predicted over observed")
+        diagonal,
+        group(*bars),
+        group(*marks),
+        says=f"Parity of {surrogate} for {output}: {len(data.run)} runs, predicted over observed",
+    )
 
 
 def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Markup:
     """Observed minus predicted, over predicted."""
-    panel = Panel.within(span(data.predicted), span(data.residual, include=[0.0], pad=0.08),
-                         height=340.0)
+    panel = Panel.within(
+        span(data.predicted), span(data.residual, include=[0.0], pad=0.08), height=340.0
+    )
     zero = line(panel.x.start, panel.y(0.0), panel.x.end, panel.y(0.0), "reference")
     marks = _marks(panel, data, data.predicted, data.residual, unit)
     return drawing(
-        360, 340,
-        panel.frame(digits.labelled("surrogate", unit),
-                    digits.labelled("solver minus surrogate", unit)),
-        zero, group(*marks),
-        says=f"Residuals of {surrogate} for {output} over its predictions")
+        360,
+        340,
+        panel.frame(
+            digits.labelled("surrogate", unit), digits.labelled("solver minus surrogate", unit)
+        ),
+        zero,
+        group(*marks),
+        says=f"Residuals of {surrogate} for {output} over its predictions",
+    )
 
 
 def _marks(panel: Panel, data: Parity, x, y, unit: str) -> list[Markup]:
-    return [mark("hollow" if data.learnt[k] else "filled", panel.x(x[k]), panel.y(y[k]),
-                 data_run=data.run[k], data_tip=_tip(data, k, unit))
-            for k in range(len(data.run))]
+    return [
+        mark(
+            "hollow" if data.learnt[k] else "filled",
+            panel.x(x[k]),
+            panel.y(y[k]),
+            data_run=data.run[k],
+            data_tip=_tip(data, k, unit),
+        )
+        for k in range(len(data.run))
+    ]
 
 
 def _tip(data: Parity, k: int, unit: str) -> str:
     decimals = digits.decimals_of(data.observed, 4)
-    predicted = digits.with_half(data.predicted[k], data.half[k]) \
-        if np.isfinite(data.half[k]) else digits.fixed(data.predicted[k], decimals)
-    return (f"solver {digits.with_unit(digits.fixed(data.observed[k], decimals), unit)}\n"
-            f"surrogate {digits.with_unit(predicted, unit)}")
+    predicted = (
+        digits.with_half(data.predicted[k], data.half[k])
+        if np.isfinite(data.half[k])
+        else digits.fixed(data.predicted[k], decimals)
+    )
+    return (
+        f"solver {digits.with_unit(digits.fixed(data.observed[k], decimals), unit)}\n"
+        f"surrogate {digits.with_unit(predicted, unit)}"
+    )

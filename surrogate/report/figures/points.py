@@ -39,13 +39,15 @@ def points_plot(space: Space, coded, numbers, design, designs: list[str], ok) ->
 
     coded (run, parameter), numbers (run,), design (run,) words, ok (run,).
     """
-    kinds = [mark_of(designs, name) if fine else "cross"
-             for name, fine in zip(design, ok, strict=True)]
+    kinds = [
+        mark_of(designs, name) if fine else "cross" for name, fine in zip(design, ok, strict=True)
+    ]
     if space.size == 1 or space.size > PAIRS:
         return _strips(space, coded, numbers, kinds)
     # The first design on top, for later ones often hold its points too; failed runs above all.
-    order = sorted(range(len(kinds)), key=lambda k: (kinds[k] == "cross",
-                                                     -designs.index(design[k])))
+    order = sorted(
+        range(len(kinds)), key=lambda k: (kinds[k] == "cross", -designs.index(design[k]))
+    )
     return _pairs(space, coded[order], [numbers[k] for k in order], [kinds[k] for k in order])
 
 
@@ -57,33 +59,55 @@ def _pairs(space: Space, coded, numbers, kinds) -> Markup:
     marks = []
     for i in range(1, count):
         for j in range(i):
-            marks.append(_pair(Scale(-1.12, 1.12, left + size * j + 2, left + size * (j + 1) - 2),
-                               Scale(-1.12, 1.12, size * i - 2, size * (i - 1) + 2),
-                               coded[:, [j, i]], numbers, kinds))
-        marks.append(text(left - 6, size * (i - 0.5) + 4, shortened(space.names[i], left - 6),
-                          "name", "end"))
+            marks.append(
+                _pair(
+                    Scale(-1.12, 1.12, left + size * j + 2, left + size * (j + 1) - 2),
+                    Scale(-1.12, 1.12, size * i - 2, size * (i - 1) + 2),
+                    coded[:, [j, i]],
+                    numbers,
+                    kinds,
+                )
+            )
+        marks.append(
+            text(left - 6, size * (i - 0.5) + 4, shortened(space.names[i], left - 6), "name", "end")
+        )
     floor = size * (count - 1)
     steep = any(width_of(name) > size for name in space.names[:-1])
     for j in range(count - 1):
         marks.append(_below(space.names[j], left + size * (j + 0.5), floor, steep))
     below = min(90.0, label_room(space.names[:-1])) * 0.82 + 12 if steep else 22.0
-    return drawing(WIDTH, floor + below, *marks,
-                   says=f"{len(numbers)} points of the designs, every pair of parameters, coded")
+    return drawing(
+        WIDTH,
+        floor + below,
+        *marks,
+        says=f"{len(numbers)} points of the designs, every pair of parameters, coded",
+    )
 
 
 def _below(name: str, x: float, floor: float, steep: bool) -> Markup:
     if not steep:
         return text(x, floor + 15, name, "name", "middle")
-    return tag("text", shortened(name, 90.0), class_="name", text_anchor="end",
-               transform=f"translate({x + 4:.1f} {floor + 10:.1f}) rotate(-55)")
+    return tag(
+        "text",
+        shortened(name, 90.0),
+        class_="name",
+        text_anchor="end",
+        transform=f"translate({x + 4:.1f} {floor + 10:.1f}) rotate(-55)",
+    )
 
 
 def _pair(x: Scale, y: Scale, coded, numbers, kinds) -> Markup:
-    box = tag("rect", x=x.start, y=y.end, width=x.end - x.start, height=y.start - y.end,
-              class_="box")
+    box = tag(
+        "rect", x=x.start, y=y.end, width=x.end - x.start, height=y.start - y.end, class_="box"
+    )
     size = 2.6 if x.end - x.start > 70 else 1.9
-    return group(box, *(_point(x, y, point, number, kind, size) for point, number, kind in
-                        zip(coded, numbers, kinds, strict=True)))
+    return group(
+        box,
+        *(
+            _point(x, y, point, number, kind, size)
+            for point, number, kind in zip(coded, numbers, kinds, strict=True)
+        ),
+    )
 
 
 def _point(x: Scale, y: Scale, point, number, kind: str, size: float) -> Markup:
@@ -106,10 +130,16 @@ def _strips(space: Space, coded, numbers, kinds) -> Markup:
         marks.append(line(left + 8, y, WIDTH - 12, y, "grid"))
         marks.append(text(left - 2, y + 1, shortened(parameter.name, left - 4), "name", "end"))
         marks.append(text(left - 2, y + 12, _ends(parameter), "small", "end"))
-        marks += [mark(kind, x(value), y + lift[k], 1.9, data_run=numbers[k])
-                  for k, (value, kind) in enumerate(zip(coded[:, j], kinds, strict=True))]
-    return drawing(WIDTH, top + row * space.size + 4, *marks,
-                   says=f"{len(numbers)} points of the designs, a strip for each parameter")
+        marks += [
+            mark(kind, x(value), y + lift[k], 1.9, data_run=numbers[k])
+            for k, (value, kind) in enumerate(zip(coded[:, j], kinds, strict=True))
+        ]
+    return drawing(
+        WIDTH,
+        top + row * space.size + 4,
+        *marks,
+        says=f"{len(numbers)} points of the designs, a strip for each parameter",
+    )
 
 
 def _ends(parameter: Parameter) -> str:

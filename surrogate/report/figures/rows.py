@@ -30,8 +30,15 @@ class Rows:
     count: int
 
     @classmethod
-    def of(cls, names: Sequence[str], numbers: Sequence[float], band: float, *,
-           zero: bool = True, most: float = 120.0) -> Rows:
+    def of(
+        cls,
+        names: Sequence[str],
+        numbers: Sequence[float],
+        band: float,
+        *,
+        zero: bool = True,
+        most: float = 120.0,
+    ) -> Rows:
         """Rows for these names whose scale holds all the numbers, and zero if wanted.
 
         most is the room that names can take.
@@ -40,8 +47,7 @@ class Rows:
         low, high = min(held), max(held)
         room = 0.04 * (high - low) or 0.05 * abs(high) or 1.0
         low = low if zero and low == 0.0 else low - room
-        return cls(Scale(low, high + room, label_room(names, most), WIDTH - 14.0), band,
-                   len(names))
+        return cls(Scale(low, high + room, label_room(names, most), WIDTH - 14.0), band, len(names))
 
     @property
     def floor(self) -> float:
@@ -69,10 +75,13 @@ class Rows:
     def frame(self, label: str) -> Markup:
         """Grid, scale, label, and the line of zero where the scale has one."""
         marks = [line(self.x(v), TOP, self.x(v), self.floor, "grid") for v in self.x.ticks()]
-        marks += [text(self.x(v), self.floor + 14, words, "tick", "middle")
-                  for v, words in zip(self.x.ticks(), self.x.tick_words(), strict=True)]
-        marks.append(text((self.x.start + self.x.end) / 2, self.floor + 31, label, "label",
-                          "middle"))
+        marks += [
+            text(self.x(v), self.floor + 14, words, "tick", "middle")
+            for v, words in zip(self.x.ticks(), self.x.tick_words(), strict=True)
+        ]
+        marks.append(
+            text((self.x.start + self.x.end) / 2, self.floor + 31, label, "label", "middle")
+        )
         if self.x.low <= 0.0 <= self.x.high:
             marks.append(line(self.x(0.0), TOP - 4, self.x(0.0), self.floor, "axis"))
         return group(*marks)
@@ -87,6 +96,8 @@ class Rows:
 def whisker(x: Scale, low: float, high: float, y: float, cap: float = 3.5) -> Markup:
     """An interval with its two ends."""
     left, right = float(x(max(low, x.low))), float(x(min(high, x.high)))
-    return group(path([(left, y - cap), (left, y + cap)], "whisker"),
-                 line(left, y, right, y, "whisker"),
-                 path([(right, y - cap), (right, y + cap)], "whisker"))
+    return group(
+        path([(left, y - cap), (left, y + cap)], "whisker"),
+        line(left, y, right, y, "whisker"),
+        path([(right, y - cap), (right, y + cap)], "whisker"),
+    )

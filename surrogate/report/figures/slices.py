@@ -44,8 +44,13 @@ def slice_plots(fit: Fit, space: Space, unit: str, output: str) -> list[tuple[st
     A field output is shown by its mean over its points.
     """
     curves = {p.name: _curve(fit, space, j) for j, p in enumerate(space.parameters)}
-    y_span = span(*(mean + sign * np.nan_to_num(half) for mean, half in curves.values()
-                    for sign in (-1.0, 1.0)))
+    y_span = span(
+        *(
+            mean + sign * np.nan_to_num(half)
+            for mean, half in curves.values()
+            for sign in (-1.0, 1.0)
+        )
+    )
     return [(p.name, _draw(p, *curves[p.name], y_span, unit, output)) for p in space.parameters]
 
 
@@ -70,10 +75,19 @@ def _draw(parameter: Parameter, mean, half, y_span, unit: str, output: str) -> M
         lower = list(zip(panel.x(physical), panel.y(mean - half), strict=True))
         marks.append(path(upper + lower[::-1], "band", closed=True))
     marks.append(path(zip(panel.x(physical), panel.y(mean), strict=True), "curve"))
-    frame = panel.frame(digits.labelled(parameter.name, parameter.unit),
-                        digits.labelled(shortened(output, 130), unit), x_count=4, y_count=4)
-    return drawing(WIDTH, HEIGHT, frame, *marks,
-                   says=f"{output} along {parameter.name}, other parameters in the middle")
+    frame = panel.frame(
+        digits.labelled(parameter.name, parameter.unit),
+        digits.labelled(shortened(output, 130), unit),
+        x_count=4,
+        y_count=4,
+    )
+    return drawing(
+        WIDTH,
+        HEIGHT,
+        frame,
+        *marks,
+        says=f"{output} along {parameter.name}, other parameters in the middle",
+    )
 
 
 def _draw_levels(parameter: Parameter, mean, half, y_span, unit: str, output: str) -> Markup:
@@ -84,17 +98,31 @@ def _draw_levels(parameter: Parameter, mean, half, y_span, unit: str, output: st
         x, y = panel.x(k), panel.y(mean[k])
         if np.isfinite(half[k]):
             marks.append(line(x, panel.y(mean[k] - half[k]), x, panel.y(mean[k] + half[k]), "bar"))
-        marks.append(mark("filled", x, y, data_tip=(
-            f"{level}\n{digits.with_unit(digits.with_half(mean[k], half[k]), unit)}")))
+        marks.append(
+            mark(
+                "filled",
+                x,
+                y,
+                data_tip=(f"{level}\n{digits.with_unit(digits.with_half(mean[k], half[k]), unit)}"),
+            )
+        )
         marks.append(text(x, bottom + 14, shortened(level, room), "tick", "middle"))
     ticks = zip(panel.y.ticks(4), panel.y.tick_words(4), strict=True)
-    frame = [group(line(panel.x.start, panel.y(v), panel.x.end, panel.y(v), "grid"),
-                   text(panel.x.start - 5, panel.y(v) + 4, words, "tick", "end"))
-             for v, words in ticks]
+    frame = [
+        group(
+            line(panel.x.start, panel.y(v), panel.x.end, panel.y(v), "grid"),
+            text(panel.x.start - 5, panel.y(v) + 4, words, "tick", "end"),
+        )
+        for v, words in ticks
+    ]
     middle = Scale(0, 1, panel.x.start, panel.x.end)(0.5)
-    return drawing(WIDTH, HEIGHT, *frame, panel.baseline(), *marks,
-                   text(2, panel.y.end - 11, digits.labelled(shortened(output, 130), unit),
-                        "label"),
-                   text(middle, bottom + 31, digits.labelled(parameter.name, ""), "label",
-                        "middle"),
-                   says=f"{output} for each level of {parameter.name}")
+    return drawing(
+        WIDTH,
+        HEIGHT,
+        *frame,
+        panel.baseline(),
+        *marks,
+        text(2, panel.y.end - 11, digits.labelled(shortened(output, 130), unit), "label"),
+        text(middle, bottom + 31, digits.labelled(parameter.name, ""), "label", "middle"),
+        says=f"{output} for each level of {parameter.name}",
+    )

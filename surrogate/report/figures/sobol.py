@@ -37,8 +37,15 @@ class Bars:
         return [float(number) for number in joined if np.isfinite(number)]
 
 
-def index_bars(names: Sequence[str], series: Sequence[Bars], label: str, says: str, *,
-               freeze_below: float | None = None, trusted: bool = True) -> Markup:
+def index_bars(
+    names: Sequence[str],
+    series: Sequence[Bars],
+    label: str,
+    says: str,
+    *,
+    freeze_below: float | None = None,
+    trusted: bool = True,
+) -> Markup:
     """The series' bars side by side for each parameter, sorted by the last series."""
     order = np.argsort(-np.nan_to_num(series[-1].value, nan=-np.inf), kind="stable")
     band = BAR * len(series) + ROOM
@@ -46,11 +53,14 @@ def index_bars(names: Sequence[str], series: Sequence[Bars], label: str, says: s
     marks = [rows.frame(label)]
     for place, k in enumerate(order):
         marks.append(rows.name(place, names[k]))
-        marks += [_bar(rows.x, rows.top(place) + ROOM / 2 + BAR * step, bars, k, names[k])
-                  for step, bars in enumerate(series)]
+        marks += [
+            _bar(rows.x, rows.top(place) + ROOM / 2 + BAR * step, bars, k, names[k])
+            for step, bars in enumerate(series)
+        ]
     marks.append(rows.threshold(freeze_below))
-    return drawing(WIDTH, rows.height, group(*marks, class_=None if trusted else "faded"),
-                   says=says)
+    return drawing(
+        WIDTH, rows.height, group(*marks, class_=None if trusted else "faded"), says=says
+    )
 
 
 def _bar(x: Scale, y: float, bars: Bars, k: int, name: str) -> Markup:
@@ -58,34 +68,49 @@ def _bar(x: Scale, y: float, bars: Bars, k: int, name: str) -> Markup:
     if not np.isfinite(value):
         return group()
     start, end = sorted((float(x(0.0)), float(x(value))))
-    parts = [tag("rect", x=start, y=y, width=end - start, height=BAR - 2,
-                 class_=f"bar-{bars.kind}")]
+    parts = [
+        tag("rect", x=start, y=y, width=end - start, height=BAR - 2, class_=f"bar-{bars.kind}")
+    ]
     if np.isfinite(low) and np.isfinite(high):
         parts.append(whisker(x, low, high, y + BAR / 2 - 1))
-    return group(*parts, class_="hover",
-                 data_tip=f"{name}, {bars.title}\n{digits.with_interval(value, low, high)}")
+    return group(
+        *parts,
+        class_="hover",
+        data_tip=f"{name}, {bars.title}\n{digits.with_interval(value, low, high)}",
+    )
 
 
 def part_bars(names: Sequence[str], total: Mapping[str, np.ndarray]) -> Markup:
     """Half-widths of the total index's interval: sampling (dark) and surrogate (light)."""
     nothing = np.full(len(names), np.nan)
     order = np.argsort(-np.nan_to_num(total["value"], nan=-np.inf), kind="stable")
-    series = [Bars(kind, title, np.asarray(total[part])[order], nothing, nothing)
-              for kind, title, part in (("dark", "sampling ±", "sampling"),
-                                        ("light", "surrogate ±", "surrogate"))]
+    series = [
+        Bars(kind, title, np.asarray(total[part])[order], nothing, nothing)
+        for kind, title, part in (
+            ("dark", "sampling ±", "sampling"),
+            ("light", "surrogate ±", "surrogate"),
+        )
+    ]
     named = [names[k] for k in order]
     rows = Rows.of(named, [number for bars in series for number in bars.finite], BAR * 2 + ROOM)
     marks = [rows.frame("half-width of the interval (–)")]
     for place, name in enumerate(named):
         marks.append(rows.name(place, name))
-        marks += [_bar(rows.x, rows.top(place) + ROOM / 2 + BAR * step, bars, place, name)
-                  for step, bars in enumerate(series)]
-    return drawing(WIDTH, rows.height, *marks,
-                   says="Sampling and surrogate parts of the intervals of the total indices")
+        marks += [
+            _bar(rows.x, rows.top(place) + ROOM / 2 + BAR * step, bars, place, name)
+            for step, bars in enumerate(series)
+        ]
+    return drawing(
+        WIDTH,
+        rows.height,
+        *marks,
+        says="Sampling and surrogate parts of the intervals of the total indices",
+    )
 
 
-def share_plot(names: Sequence[str], shares, total: Mapping[str, np.ndarray],
-               freeze_below: float | None) -> Markup:
+def share_plot(
+    names: Sequence[str], shares, total: Mapping[str, np.ndarray], freeze_below: float | None
+) -> Markup:
     """One-at-a-time share (square) beside the total index (disc with interval)."""
     shares = np.asarray(shares, dtype=float)
     order = np.argsort(-np.nan_to_num(shares, nan=-np.inf), kind="stable")
@@ -94,24 +119,47 @@ def share_plot(names: Sequence[str], shares, total: Mapping[str, np.ndarray],
     marks = [rows.frame("share (–)")]
     for place, k in enumerate(order):
         marks.append(rows.name(place, names[k]))
-        marks.append(_pair(rows.x, rows.middle(place), names[k], shares[k],
-                           *(float(total[part][k]) for part in ("value", "low", "high"))))
+        marks.append(
+            _pair(
+                rows.x,
+                rows.middle(place),
+                names[k],
+                shares[k],
+                *(float(total[part][k]) for part in ("value", "low", "high")),
+            )
+        )
     marks.append(rows.threshold(freeze_below))
-    return drawing(WIDTH, rows.height, *marks,
-                   says="One-at-a-time shares beside total Sobol' indices")
+    return drawing(
+        WIDTH, rows.height, *marks, says="One-at-a-time shares beside total Sobol' indices"
+    )
 
 
-def _pair(x: Scale, y: float, name: str, share: float, value: float, low: float,
-          high: float) -> Markup:
+def _pair(
+    x: Scale, y: float, name: str, share: float, value: float, low: float, high: float
+) -> Markup:
     parts = []
     if np.isfinite(share) and np.isfinite(value):
         parts.append(line(x(share), y, x(value), y, "stem"))
     if np.isfinite(low) and np.isfinite(high):
         parts.append(whisker(x, low, high, y))
     if np.isfinite(value):
-        parts.append(mark("filled", x(value), y, 4.0, data_tip=(
-            f"{name}\ntotal index {digits.with_interval(value, low, high)}")))
+        parts.append(
+            mark(
+                "filled",
+                x(value),
+                y,
+                4.0,
+                data_tip=(f"{name}\ntotal index {digits.with_interval(value, low, high)}"),
+            )
+        )
     if np.isfinite(share):
-        parts.append(mark("square", x(share), y, 4.0, data_tip=(
-            f"{name}\none-at-a-time share {digits.percent(share)}")))
+        parts.append(
+            mark(
+                "square",
+                x(share),
+                y,
+                4.0,
+                data_tip=(f"{name}\none-at-a-time share {digits.percent(share)}"),
+            )
+        )
     return group(*parts)

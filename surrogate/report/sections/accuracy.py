@@ -36,46 +36,72 @@ def _comparison(content: Content, output: str, names: list[str]) -> list:
     test = [rows[name].get("q2_test", np.nan) for name in names]
     figures = []
     if np.isfinite([*cv, *test]).any():
-        figures.append(Figure(
-            accuracy_plot(names, cv, test, output),
-            "Q² of each surrogate: open disc by cross-validation, filled disc on the held-out "
-            f"runs. 1 is perfect, 0 is no better than the mean.{_off_scale(cv, test)}"))
+        figures.append(
+            Figure(
+                accuracy_plot(names, cv, test, output),
+                "Q² of each surrogate: open disc by cross-validation, filled disc on the held-out "
+                f"runs. 1 is perfect, 0 is no better than the mean.{_off_scale(cv, test)}",
+            )
+        )
     figures += _calibration(content, output)
     sentence = margin(content, output)
-    return [*([Text(sentence, "lead")] if sentence else []), _table(content, output, rows),
-            *([Figures(tuple(figures))] if figures else [])]
+    return [
+        *([Text(sentence, "lead")] if sentence else []),
+        _table(content, output, rows),
+        *([Figures(tuple(figures))] if figures else []),
+    ]
 
 
 def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> Table:
     unit = content.unit(output)
     best = content.best(output)
-    titles = {"q2_cv": "Q² cross-validated",
-              "rmse_cv": digits.labelled("RMSE cross-validated", unit),
-              "q2_test": "Q² held out", "rmse_test": digits.labelled("RMSE held out", unit),
-              "max_error_test": digits.labelled("largest error held out", unit),
-              "coverage_95": "coverage of 95 % intervals",
-              "fit_seconds": "fit time", "predict_seconds": "time of 1000 predictions"}
-    shown = [key for key in titles
-             if any(np.isfinite(row.get(key, np.nan)) for row in rows.values())]
+    titles = {
+        "q2_cv": "Q² cross-validated",
+        "rmse_cv": digits.labelled("RMSE cross-validated", unit),
+        "q2_test": "Q² held out",
+        "rmse_test": digits.labelled("RMSE held out", unit),
+        "max_error_test": digits.labelled("largest error held out", unit),
+        "coverage_95": "coverage of 95 % intervals",
+        "fit_seconds": "fit time",
+        "predict_seconds": "time of 1000 predictions",
+    }
+    shown = [
+        key for key in titles if any(np.isfinite(row.get(key, np.nan)) for row in rows.values())
+    ]
     lines = []
     for name, row in rows.items():
-        line = [Cell(f"{name} (best)" if name == best and len(rows) > 1 else name,
-                     tone="strong" if name == best else "")]
+        line = [
+            Cell(
+                f"{name} (best)" if name == best and len(rows) > 1 else name,
+                tone="strong" if name == best else "",
+            )
+        ]
         for key in shown:
             value = row.get(key, np.nan)
             tone = "bad" if key.startswith("q2") and value < POOR_Q2 else ""
-            words = (digits.duration(value) if key.endswith("seconds")
-                     else digits.percent(value) if key == "coverage_95"
-                     else digits.score(value) if key.startswith("q2")
-                     else digits.figure(value))
+            words = (
+                digits.duration(value)
+                if key.endswith("seconds")
+                else digits.percent(value)
+                if key == "coverage_95"
+                else digits.score(value)
+                if key.startswith("q2")
+                else digits.figure(value)
+            )
             line.append(Cell(words, float(value) if np.isfinite(value) else None, tone))
         lines.append(tuple(line))
     caption = f"Surrogates of {output} on the same folds and the same held-out runs."
     if not _learnt_alike(content, output):
-        caption = (f"Surrogates of {output} on the same held-out runs. They learnt from different "
-                   "runs, so what is cross-validated does not compare.")
-    return Table(caption, (Head("surrogate", numeric=False), *(Head(titles[key]) for key in shown)),
-                 tuple(lines), sortable=len(lines) > 3)
+        caption = (
+            f"Surrogates of {output} on the same held-out runs. They learnt from different "
+            "runs, so what is cross-validated does not compare."
+        )
+    return Table(
+        caption,
+        (Head("surrogate", numeric=False), *(Head(titles[key]) for key in shown)),
+        tuple(lines),
+        sortable=len(lines) > 3,
+    )
 
 
 def _off_scale(*scores) -> str:
@@ -87,15 +113,21 @@ def _off_scale(*scores) -> str:
 def _learnt_alike(content: Content, output: str) -> bool:
     """Whether all surrogates of an output learnt from the same runs."""
     first, *others = content.fits_of(output).values()
-    return all(fit.coded.shape == first.coded.shape and np.array_equal(fit.coded, first.coded)
-               for fit in others)
+    return all(
+        fit.coded.shape == first.coded.shape and np.array_equal(fit.coded, first.coded)
+        for fit in others
+    )
 
 
 def margin(content: Content, output: str) -> str:
     """Whether the best surrogate is really ahead of the second; empty for a single one."""
     table = content.comparison
-    if table is None or "sentence" not in table or len(content.fits_of(output)) < 2 \
-            or output not in table["output"].values.astype(str):
+    if (
+        table is None
+        or "sentence" not in table
+        or len(content.fits_of(output)) < 2
+        or output not in table["output"].values.astype(str)
+    ):
         return ""
     words = digits.squared(str(table["sentence"].sel(output=output).item()))
     words = words.removeprefix(f"{output}: ")
@@ -112,9 +144,14 @@ def _calibration(content: Content, output: str) -> list[Figure]:
         return []
     held = _held_out(content, output)
     plot = calibration_plot(table["level"].values, observed, held, f"{best} for {output}")
-    return [Figure(plot, f"Calibration of {best}: the share of the held-out values inside "
-                         "intervals of each level. On the line the intervals are honest, below "
-                         f"it too narrow; inside the band {held} runs cannot tell.")]
+    return [
+        Figure(
+            plot,
+            f"Calibration of {best}: the share of the held-out values inside "
+            "intervals of each level. On the line the intervals are honest, below "
+            f"it too narrow; inside the band {held} runs cannot tell.",
+        )
+    ]
 
 
 def _held_out(content: Content, output: str) -> int:
@@ -140,19 +177,31 @@ def _parities(content: Content, output: str, names: list[str]) -> list:
     what = f"the mean of {output}" if content.is_field(output) else output
     result: list = [
         Heading("Parity and residuals", anchor(output, "parity")),
-        Figures((Figure(parity_plot(data, output, unit, best),
-                        f"{best}: {what}, surrogate over solver. {_reading(data)}"),
-                 Figure(residual_plot(data, output, unit, best),
-                        f"{best}: what the surrogate misses. {_pattern(data, unit)}")))]
+        Figures(
+            (
+                Figure(
+                    parity_plot(data, output, unit, best),
+                    f"{best}: {what}, surrogate over solver. {_reading(data)}",
+                ),
+                Figure(
+                    residual_plot(data, output, unit, best),
+                    f"{best}: what the surrogate misses. {_pattern(data, unit)}",
+                ),
+            )
+        ),
+    ]
     if others:
         figures = []
         for name in others:
             found = parity(content, content.fits_of(output)[name], output)
-            figures.append(Figure(parity_plot(found, output, unit, name),
-                                  f"{name}: surrogate over solver. {_reading(found)}"))
+            figures.append(
+                Figure(
+                    parity_plot(found, output, unit, name),
+                    f"{name}: surrogate over solver. {_reading(found)}",
+                )
+            )
         which = "surrogate" if len(others) == 1 else f"{len(others)} surrogates"
-        result.append(Fold(f"Parity of the other {which}",
-                           (Figures(tuple(figures)),)))
+        result.append(Fold(f"Parity of the other {which}", (Figures(tuple(figures)),)))
     return result
 
 
@@ -163,8 +212,11 @@ def _reading(data: Parity) -> str:
         unseen = digits.quantity(int((~data.learnt).sum()), "run")
         said.append(f"Filled: {unseen} that it has not seen{bars}.")
     if data.learnt.any():
-        how = ("each predicted without itself" if data.honest
-               else "learnt from, so closer than new points will be")
+        how = (
+            "each predicted without itself"
+            if data.honest
+            else "learnt from, so closer than new points will be"
+        )
         said.append(f"Open: {digits.quantity(int(data.learnt.sum()), 'training run')}, {how}.")
     return " ".join(said)
 
@@ -177,5 +229,7 @@ def _pattern(data: Parity, unit: str) -> str:
         return ""
     worst = int(np.nanargmax(np.abs(residual)))
     where = "unseen run" if held.any() else "run"
-    return (f"The worst {where} is {data.run[worst]}: "
-            f"{digits.with_unit(digits.figure(data.residual[worst]), unit)}.")
+    return (
+        f"The worst {where} is {data.run[worst]}: "
+        f"{digits.with_unit(digits.figure(data.residual[worst]), unit)}."
+    )

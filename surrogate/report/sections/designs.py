@@ -24,8 +24,7 @@ from surrogate.report.parity import rows_learnt
 #: Defining words that are written out.
 LISTED_WORDS = 7
 ROMAN = {3: "III", 4: "IV", 5: "V", 6: "VI", 7: "VII", 8: "VIII"}
-SHAPES = {"filled": "filled disc", "hollow": "open disc", "square": "square",
-          "diamond": "diamond"}
+SHAPES = {"filled": "filled disc", "hollow": "open disc", "square": "square", "diamond": "diamond"}
 
 
 def section(content: Content) -> Section:
@@ -48,9 +47,16 @@ def _counts(content: Content) -> Table:
     for name in content.designs:
         mine = design == name
         spent = np.nansum(seconds[mine]) if np.isfinite(seconds[mine]).any() else np.nan
-        rows.append((Cell(name), Cell(_use(content, mine)), Cell(str(mine.sum()), mine.sum()),
-                     Cell(str((mine & ok).sum())), Cell(str((mine & content.failed).sum())),
-                     Cell(digits.duration(spent))))
+        rows.append(
+            (
+                Cell(name),
+                Cell(_use(content, mine)),
+                Cell(str(mine.sum()), mine.sum()),
+                Cell(str((mine & ok).sum())),
+                Cell(str((mine & content.failed).sum())),
+                Cell(digits.duration(spent)),
+            )
+        )
     titles = heads("design", "use", "runs", "finished", "failed", "solver time", names=2)
     return Table("Runs of each design.", titles, tuple(rows))
 
@@ -68,44 +74,71 @@ def _use(content: Content, mine: np.ndarray) -> str:
 
 
 def _points(content: Content) -> Figure:
-    plot = points_plot(content.space, content.coded, content.numbers, content.words("design"),
-                       content.designs, content.ok)
+    plot = points_plot(
+        content.space,
+        content.coded,
+        content.numbers,
+        content.words("design"),
+        content.designs,
+        content.ok,
+    )
     shapes = [f"{SHAPES[mark_of(content.designs, name)]}: {name}" for name in content.designs]
     failed = "; cross: failed run" if content.failed.any() else ""
-    return Figure(plot, "Where the runs lie, from the smallest to the largest value of each "
-                        f"parameter ({'; '.join(shapes)}{failed}).", wide=True)
+    return Figure(
+        plot,
+        "Where the runs lie, from the smallest to the largest value of each "
+        f"parameter ({'; '.join(shapes)}{failed}).",
+        wide=True,
+    )
 
 
 def _aliases(design: str, aliasing: Aliasing) -> list:
     resolution = aliasing.resolution
     if resolution is None:
         return [Text(f"Design {design} is a full factorial: no effect is aliased.", "note")]
-    chains = tuple((Cell(_effect(first)), Cell(", ".join(map(_effect, others))))
-                   for first, *others in aliasing.chains)
-    table = Table(f"Alias table of design {design}: effects in one row are estimated together, "
-                  "as one number. Interactions of three and more parameters are left out.",
-                  (Head("effect", numeric=False), Head("estimated together with", numeric=False)),
-                  chains)
-    words = [word.replace("-", digits.MINUS, word.startswith("-"))
-             for word in aliasing.defining_words[:LISTED_WORDS]]
+    chains = tuple(
+        (Cell(_effect(first)), Cell(", ".join(map(_effect, others))))
+        for first, *others in aliasing.chains
+    )
+    table = Table(
+        f"Alias table of design {design}: effects in one row are estimated together, "
+        "as one number. Interactions of three and more parameters are left out.",
+        (Head("effect", numeric=False), Head("estimated together with", numeric=False)),
+        chains,
+    )
+    words = [
+        word.replace("-", digits.MINUS, word.startswith("-"))
+        for word in aliasing.defining_words[:LISTED_WORDS]
+    ]
     more = len(aliasing.defining_words) - len(words)
     pattern = ", ".join(str(count) for count in aliasing.word_length_pattern)
-    told = Text(f"Defining relation: I = {' = '.join(words)}{f' = ({more} more)' if more else ''}. "
-                f"Defining words of length 3, 4, …: {pattern}.")
-    return [Text(_sentence(design, resolution), "warning" if resolution == 3 else "note"),
-            Fold(f"Alias table of {design} (resolution {roman(resolution)})", (table, told),
-                 open=len(chains) <= 16)]
+    told = Text(
+        f"Defining relation: I = {' = '.join(words)}{f' = ({more} more)' if more else ''}. "
+        f"Defining words of length 3, 4, …: {pattern}."
+    )
+    return [
+        Text(_sentence(design, resolution), "warning" if resolution == 3 else "note"),
+        Fold(
+            f"Alias table of {design} (resolution {roman(resolution)})",
+            (table, told),
+            open=len(chains) <= 16,
+        ),
+    ]
 
 
 def _sentence(design: str, resolution: int) -> str:
     named = f"Design {design} has resolution {roman(resolution)}"
     if resolution == 3:
-        return (f"{named}: every main effect is estimated together with two-factor interactions. "
-                "An effect in the tables below may be an interaction; a fold-over of the design "
-                "separates them.")
+        return (
+            f"{named}: every main effect is estimated together with two-factor interactions. "
+            "An effect in the tables below may be an interaction; a fold-over of the design "
+            "separates them."
+        )
     if resolution == 4:
-        return (f"{named}: main effects are clear of two-factor interactions, but two-factor "
-                "interactions are estimated together.")
+        return (
+            f"{named}: main effects are clear of two-factor interactions, but two-factor "
+            "interactions are estimated together."
+        )
     return f"{named}: main effects and two-factor interactions are clear of one another."
 
 

@@ -32,7 +32,8 @@ from surrogate.report.sections.side_by_side import printed
 DETERMINISTIC = (
     "The solver gives the same answer to the same question, so the residuals are no noise: "
     "standard errors, p-values and intervals measure how badly the polynomial fits (lack of fit), "
-    "not how surely an effect exists.")
+    "not how surely an effect exists."
+)
 
 #: Beginnings of the table's own notes that the page says in its own words.
 SAID_ELSEWHERE = ("The solver is deterministic", "The fit is saturated")
@@ -45,8 +46,11 @@ NAMED = 6
 def blocks(content: Content, output: str) -> list:
     """Regression tables, then response curves."""
     result: list = []
-    tables = {name: by_output[output] for name, by_output in content.regression.items()
-              if output in by_output}
+    tables = {
+        name: by_output[output]
+        for name, by_output in content.regression.items()
+        if output in by_output
+    }
     if tables:
         result.append(Heading("Effects", anchor(output, "effects")))
         if content.deterministic:
@@ -56,8 +60,11 @@ def blocks(content: Content, output: str) -> list:
         result += [beside] if beside else []
     for place, (name, table) in enumerate(tables.items()):
         inside = _regression(content, output, name, table)
-        fold = Fold(f"{name}: {digits.quantity(table.sizes['term'], 'term')}", tuple(inside),
-                    open=place == 0)
+        fold = Fold(
+            f"{name}: {digits.quantity(table.sizes['term'], 'term')}",
+            tuple(inside),
+            open=place == 0,
+        )
         result.append(fold)
     return [*result, *_slices(content, output)]
 
@@ -65,8 +72,9 @@ def blocks(content: Content, output: str) -> list:
 def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> list:
     unit = content.unit(output)
     terms = [str(term) for term in table["term"].values]
-    columns = {key: np.asarray(table[key].values, dtype=float)
-               for key in ("coefficient", "low", "high")}
+    columns = {
+        key: np.asarray(table[key].values, dtype=float) for key in ("coefficient", "low", "high")
+    }
     effects = [k for k, term in enumerate(terms) if term != "1"]
     said = [*sentences(table, unit), *influence(content, output, name, table)]
     parts: list = [Points(tuple(said))]
@@ -75,37 +83,67 @@ def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> 
         more = f" The {MOST} largest of {len(known)}." if len(known) > MOST else ""
         confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
         intervals = np.isfinite(columns["low"][known]).any()
-        reading = (f"with {confidence} intervals; filled where zero lies outside the interval"
-                   if intervals else "without intervals, because no runs are left to judge them by")
-        parts.append(Figures((Figure(
-            coefficient_plot([printed(terms[k]) for k in known],
-                             *(columns[key][known] for key in ("coefficient", "low", "high")),
-                             unit, name),
-            f"Coefficients of {name} in coded units (half the change of {output} from the "
-            f"smallest to the largest value), {reading}.{more}"),)))
+        reading = (
+            f"with {confidence} intervals; filled where zero lies outside the interval"
+            if intervals
+            else "without intervals, because no runs are left to judge them by"
+        )
+        parts.append(
+            Figures(
+                (
+                    Figure(
+                        coefficient_plot(
+                            [printed(terms[k]) for k in known],
+                            *(columns[key][known] for key in ("coefficient", "low", "high")),
+                            unit,
+                            name,
+                        ),
+                        f"Coefficients of {name} in coded units (half the change of {output} from the "
+                        f"smallest to the largest value), {reading}.{more}",
+                    ),
+                )
+            )
+        )
     return [*parts, _table(table, terms, unit, name)]
 
 
 def _table(table: xr.Dataset, terms: list[str], unit: str, name: str) -> Table:
-    get = {key: np.asarray(table[key].values, dtype=float) if key in table
-           else np.full(len(terms), np.nan)
-           for key in ("coefficient", "standard_error", "t", "p", "low", "high", "vif")}
+    get = {
+        key: np.asarray(table[key].values, dtype=float)
+        if key in table
+        else np.full(len(terms), np.nan)
+        for key in ("coefficient", "standard_error", "t", "p", "low", "high", "vif")
+    }
     rows = []
     for k, term in enumerate(terms):
         value = get["coefficient"][k]
-        rows.append((
-            Cell(printed(term), term), _number(_matching(value, get["standard_error"][k]), value),
-            _number(digits.figure(get["standard_error"][k], 2), get["standard_error"][k]),
-            _number(digits.figure(get["t"][k]), get["t"][k]),
-            _number(digits.p_value(get["p"][k]), get["p"][k]),
-            _number(digits.interval(get["low"][k], get["high"][k]), get["low"][k]),
-            _number(digits.fixed(get["vif"][k], 2), get["vif"][k])))
+        rows.append(
+            (
+                Cell(printed(term), term),
+                _number(_matching(value, get["standard_error"][k]), value),
+                _number(digits.figure(get["standard_error"][k], 2), get["standard_error"][k]),
+                _number(digits.figure(get["t"][k]), get["t"][k]),
+                _number(digits.p_value(get["p"][k]), get["p"][k]),
+                _number(digits.interval(get["low"][k], get["high"][k]), get["low"][k]),
+                _number(digits.fixed(get["vif"][k], 2), get["vif"][k]),
+            )
+        )
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
-    titles = ("term", digits.labelled("coefficient", unit), "standard error", "t", "p",
-              f"{confidence} interval", "VIF")
-    return Table(f"Regression table of {name}; coefficients per coded unit.",
-                 tuple(Head(title, numeric=k > 0) for k, title in enumerate(titles)),
-                 tuple(rows), sortable=len(rows) > 3)
+    titles = (
+        "term",
+        digits.labelled("coefficient", unit),
+        "standard error",
+        "t",
+        "p",
+        f"{confidence} interval",
+        "VIF",
+    )
+    return Table(
+        f"Regression table of {name}; coefficients per coded unit.",
+        tuple(Head(title, numeric=k > 0) for k, title in enumerate(titles)),
+        tuple(rows),
+        sortable=len(rows) > 3,
+    )
 
 
 def _matching(value: float, error: float) -> str:
@@ -124,17 +162,22 @@ def sentences(table: xr.Dataset, unit: str) -> list[str]:
     get = {str(key): float(value) for key, value in table.data_vars.items() if value.ndim == 0}
     said = [_fit_sentence(get, unit)]
     if get.get("df_residual", np.nan) == 0.0 or not np.isfinite(get.get("residual_sd", np.nan)):
-        said.append("The fit is saturated: as many coefficients as runs. It passes through every "
-                    "run, whatever the truth is; R² says nothing and there are no intervals.")
+        said.append(
+            "The fit is saturated: as many coefficients as runs. It passes through every "
+            "run, whatever the truth is; R² says nothing and there are no intervals."
+        )
     elif np.isfinite(get.get("f", np.nan)):
-        said.append(f"F test against the mean: F = {digits.figure(get['f'])}, "
-                    f"p {_equals(get.get('f_p', np.nan))}.")
+        said.append(
+            f"F test against the mean: F = {digits.figure(get['f'])}, "
+            f"p {_equals(get.get('f_p', np.nan))}."
+        )
     if np.isfinite(get.get("lack_of_fit_p", np.nan)):
         poor = get["lack_of_fit_p"] < 0.05
         said.append(
             f"Lack of fit against the replicates: F = {digits.figure(get['lack_of_fit_f'])}, "
             f"p {_equals(get['lack_of_fit_p'])}; "
-            + ("terms are missing." if poor else "no term is seen to be missing."))
+            + ("terms are missing." if poor else "no term is seen to be missing.")
+        )
     notes = str(table.attrs.get("notes", "")).splitlines()
     return said + [note for note in notes if note and not note.startswith(SAID_ELSEWHERE)]
 
@@ -148,10 +191,14 @@ def influence(content: Content, output: str, name: str, table: xr.Dataset) -> li
     for run, row in zip(content.numbers, rows_learnt(fit, content.coded), strict=True):
         number.setdefault(int(row), str(run))  # of designs that share a run, the first
     said = []
-    for key, limit, words in (("cooks_distance", LARGE_COOK, "Cook's distance above 1, so the fit "
-                               "leans on each of these runs by itself"),
-                              ("studentised_external", LARGE_STUDENTISED,
-                               "more than 3 standard deviations off the fit")):
+    for key, limit, words in (
+        (
+            "cooks_distance",
+            LARGE_COOK,
+            "Cook's distance above 1, so the fit leans on each of these runs by itself",
+        ),
+        ("studentised_external", LARGE_STUDENTISED, "more than 3 standard deviations off the fit"),
+    ):
         sizes = np.abs(np.asarray(table[key].values, dtype=float))
         large = [k for k in np.argsort(-np.nan_to_num(sizes)) if sizes[k] > limit]
         if large:
@@ -162,8 +209,11 @@ def influence(content: Content, output: str, name: str, table: xr.Dataset) -> li
 
 def comparisons(content: Content, output: str, names: list[str]) -> list[str]:
     """F tests of each larger polynomial against the next smaller one of the same runs."""
-    models = [(name, content.fits_of(output)[name].estimator.model_) for name in names
-              if hasattr(getattr(content.fits_of(output).get(name), "estimator", None), "model_")]
+    models = [
+        (name, content.fits_of(output)[name].estimator.model_)
+        for name in names
+        if hasattr(getattr(content.fits_of(output).get(name), "estimator", None), "model_")
+    ]
     models.sort(key=lambda pair: len(pair[1].names))
     said = []
     for (small, fewer), (large, more) in pairwise(models):
@@ -174,16 +224,20 @@ def comparisons(content: Content, output: str, names: list[str]) -> list[str]:
         if np.isfinite(test.p):
             gain = "more" if test.p < 0.05 else "no more"
             terms = digits.quantity(test.df_terms, "additional term")
-            said.append(f"{large} against {small}: the {terms} explain"
-                        f"{'s' if test.df_terms == 1 else ''} {gain} than the residuals would "
-                        f"(F = {digits.figure(test.f)}, p {_equals(test.p)}).")
+            said.append(
+                f"{large} against {small}: the {terms} explain"
+                f"{'s' if test.df_terms == 1 else ''} {gain} than the residuals would "
+                f"(F = {digits.figure(test.f)}, p {_equals(test.p)})."
+            )
     return said
 
 
 def _fit_sentence(get: dict[str, float], unit: str) -> str:
-    parts = [f"{label} = {digits.score(get[key])}" for key, label in
-             (("r2", "R²"), ("r2_adjusted", "adjusted R²"), ("q2", "leave-one-out Q²"))
-             if np.isfinite(get.get(key, np.nan))]
+    parts = [
+        f"{label} = {digits.score(get[key])}"
+        for key, label in (("r2", "R²"), ("r2_adjusted", "adjusted R²"), ("q2", "leave-one-out Q²"))
+        if np.isfinite(get.get(key, np.nan))
+    ]
     if np.isfinite(get.get("residual_sd", np.nan)):
         spread = digits.with_unit(digits.figure(get["residual_sd"], 2), unit)
         parts.append(f"residual standard deviation {spread}")
@@ -208,8 +262,12 @@ def _slices(content: Content, output: str) -> list:
     what = f"mean {output}" if content.is_field(output) else output
     plots = slice_plots(fit, content.space, content.unit(output), what)
     figures = tuple(Figure(plot, "") for _, plot in plots)
-    return [Heading("Response curves", anchor(output, "curves")),
-            Text(f"{best} along each parameter while the others stay in the middle of their "
-                 "ranges; the band is its 95 % interval where it knows one. All curves share one "
-                 "scale, so that steep means important."),
-            Figures(figures, small=True)]
+    return [
+        Heading("Response curves", anchor(output, "curves")),
+        Text(
+            f"{best} along each parameter while the others stay in the middle of their "
+            "ranges; the band is its 95 % interval where it knows one. All curves share one "
+            "scale, so that steep means important."
+        ),
+        Figures(figures, small=True),
+    ]

@@ -25,8 +25,14 @@ def blocks(content: Content, output: str) -> list:
     values = content.values(output)[finished]
     dims = [str(dim) for dim in content.runs[output].dims if dim != "run"]
     if values.ndim > 3:
-        return [*result, Text(f"{output} has {len(dims)} dimensions ({', '.join(dims)}); fields of "
-                              "more than two are not drawn.", "note")]
+        return [
+            *result,
+            Text(
+                f"{output} has {len(dims)} dimensions ({', '.join(dims)}); fields of "
+                "more than two are not drawn.",
+                "note",
+            ),
+        ]
     axes = [_axis(content.runs, dim) for dim in dims]
     draw = _lines if len(dims) == 1 else _maps
     return [*result, Figures(tuple(draw(content, output, values, judged(content, output), axes)))]
@@ -63,16 +69,25 @@ def judged(content: Content, output: str) -> Judged | None:
         return None
     fit = content.fits_of(output)[best]
     finished = content.finished(output)
-    numbers, coded, values = (part[finished] for part in
-                              (content.numbers, content.coded, content.values(output)))
+    numbers, coded, values = (
+        part[finished] for part in (content.numbers, content.coded, content.values(output))
+    )
     rows = rows_learnt(fit, coded)
     held = rows < 0
     if held.sum() >= 2:
-        return Judged(numbers[held], values[held], np.asarray(fit.predict(coded[held])),
-                      f"{best}, on {held.sum()} runs that it has not seen")
+        return Judged(
+            numbers[held],
+            values[held],
+            np.asarray(fit.predict(coded[held])),
+            f"{best}, on {held.sum()} runs that it has not seen",
+        )
     if (~held).any() and np.isfinite(fit.left_out).all():
-        return Judged(numbers[~held], values[~held], np.asarray(fit.left_out)[rows[~held]],
-                      f"{best}, by cross-validation")
+        return Judged(
+            numbers[~held],
+            values[~held],
+            np.asarray(fit.left_out)[rows[~held]],
+            f"{best}, by cross-validation",
+        )
     return None
 
 
@@ -87,30 +102,53 @@ def _axis(runs: xr.Dataset, dim: str) -> tuple[np.ndarray, str]:
     """Places along a dimension and its label; counted from 0 without numeric coordinates."""
     if dim in runs.coords and np.issubdtype(runs[dim].dtype, np.number):
         unit = runs[dim].attrs.get("units")
-        return (np.asarray(runs[dim].values, dtype=float),
-                dim if unit is None else digits.labelled(dim, str(unit)))
+        return (
+            np.asarray(runs[dim].values, dtype=float),
+            dim if unit is None else digits.labelled(dim, str(unit)),
+        )
     return np.arange(runs.sizes[dim], dtype=float), f"{dim} (number)"
 
 
 def _lines(content, output, values, seen: Judged | None, axes) -> list[Figure]:
-    (x, x_label), = axes
+    ((x, x_label),) = axes
     label = digits.labelled(output, content.unit(output))
     mean, spread = values.mean(axis=0), values.std(axis=0)
-    figures = [Figure(field_line(x, {"curve": mean}, x_label, label, f"Mean of {output}",
-                                 band=(mean - spread, mean + spread)),
-                      f"Mean of {output} over the finished runs, and one standard deviation "
-                      "about it.")]
+    figures = [
+        Figure(
+            field_line(
+                x,
+                {"curve": mean},
+                x_label,
+                label,
+                f"Mean of {output}",
+                band=(mean - spread, mean + spread),
+            ),
+            f"Mean of {output} over the finished runs, and one standard deviation about it.",
+        )
+    ]
     if seen is None:
         return figures
     k = seen.worst
     curves = {"curve": seen.values[k], "curve dashed": seen.predicted[k]}
-    return [*figures,
-            Figure(field_line(x, {"curve": seen.q2}, x_label, "Q² (–)",
-                              f"Q2 of {output} at each point", y_span=_q2_span(seen.q2)),
-                   f"Q² at each point: {seen.how}.{_worst(seen.q2)}"),
-            Figure(field_line(x, curves, x_label, label, f"Worst run of {output}"),
-                   f"Run {seen.run[k]}, where the surrogate is worst: solver (solid) and "
-                   f"surrogate (dashed); {seen.how}.")]
+    return [
+        *figures,
+        Figure(
+            field_line(
+                x,
+                {"curve": seen.q2},
+                x_label,
+                "Q² (–)",
+                f"Q2 of {output} at each point",
+                y_span=_q2_span(seen.q2),
+            ),
+            f"Q² at each point: {seen.how}.{_worst(seen.q2)}",
+        ),
+        Figure(
+            field_line(x, curves, x_label, label, f"Worst run of {output}"),
+            f"Run {seen.run[k]}, where the surrogate is worst: solver (solid) and "
+            f"surrogate (dashed); {seen.how}.",
+        ),
+    ]
 
 
 def _maps(content, output, values, seen: Judged | None, axes) -> list[Figure]:
@@ -120,20 +158,31 @@ def _maps(content, output, values, seen: Judged | None, axes) -> list[Figure]:
     def draw(field: np.ndarray, key: str, what: str, limits=None):
         return field_map(x, y, field, x_label, y_label, key, f"{what} of {output}", limits=limits)
 
-    figures = [Figure(draw(values.mean(axis=0), unit, "Mean"),
-                      f"Mean of {output} over the finished runs."),
-               Figure(draw(values.std(axis=0), unit, "Standard deviation"),
-                      f"Standard deviation of {output} over the finished runs.")]
+    figures = [
+        Figure(
+            draw(values.mean(axis=0), unit, "Mean"), f"Mean of {output} over the finished runs."
+        ),
+        Figure(
+            draw(values.std(axis=0), unit, "Standard deviation"),
+            f"Standard deviation of {output} over the finished runs.",
+        ),
+    ]
     if seen is None:
         return figures
     k = seen.worst
     missed = np.abs(seen.values[k] - seen.predicted[k])
-    return [*figures,
-            Figure(draw(seen.q2, "Q² (–)", "Q2 at each point", _q2_span(seen.q2)),
-                   f"Q² at each point: {seen.how}.{_worst(seen.q2)}"),
-            Figure(draw(missed, unit, "Largest errors", (0.0, float(missed.max()) or 1.0)),
-                   f"Run {seen.run[k]}, where the surrogate is worst: size of its error at each "
-                   f"point; {seen.how}.")]
+    return [
+        *figures,
+        Figure(
+            draw(seen.q2, "Q² (–)", "Q2 at each point", _q2_span(seen.q2)),
+            f"Q² at each point: {seen.how}.{_worst(seen.q2)}",
+        ),
+        Figure(
+            draw(missed, unit, "Largest errors", (0.0, float(missed.max()) or 1.0)),
+            f"Run {seen.run[k]}, where the surrogate is worst: size of its error at each "
+            f"point; {seen.how}.",
+        ),
+    ]
 
 
 def _q2_span(scores: np.ndarray) -> tuple[float, float]:

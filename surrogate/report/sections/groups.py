@@ -13,9 +13,11 @@ from surrogate.report.sections.measures import index, sort_key
 #: Decimals of shares beyond which nobody reads.
 DECIMALS = 4
 #: What is told of groups: variable, title, kind of bar.
-KNOWN = (("group_shapley", "share of the variance", "dark"),
-         ("group_first_order", "alone (closed index)", "dark"),
-         ("group_total", "with what it does with others (total index)", "light"))
+KNOWN = (
+    ("group_shapley", "share of the variance", "dark"),
+    ("group_first_order", "alone (closed index)", "dark"),
+    ("group_total", "with what it does with others (total index)", "light"),
+)
 
 
 def blocks(table: xr.Dataset, output: str, stamp: str) -> list:
@@ -24,17 +26,25 @@ def blocks(table: xr.Dataset, output: str, stamp: str) -> list:
         return []
     names = [str(name) for name in table["group"].values]
     found = [(title, kind, index(table, name)) for name, title, kind in KNOWN if name in table]
-    series = [Bars(kind, title, *(values[part] for part in ("value", "low", "high")))
-              for title, kind, values in found]
-    figure = Figure(index_bars(names, series, SHARE, f"Shares of the groups in {output}",
-                               trusted=not stamp), _caption(table, found), stamp=stamp)
+    series = [
+        Bars(kind, title, *(values[part] for part in ("value", "low", "high")))
+        for title, kind, values in found
+    ]
+    figure = Figure(
+        index_bars(names, series, SHARE, f"Shares of the groups in {output}", trusted=not stamp),
+        _caption(table, found),
+        stamp=stamp,
+    )
     return [Text(sentence(table)), Figures((figure,)), _table(table, names, found)]
 
 
 def sentence(table: xr.Dataset) -> str:
     """How the groups make up the variance, in words."""
-    outside = [str(name) for name in table["parameter"].values
-               if name not in ", ".join(table["members"].values.astype(str)).split(", ")]
+    outside = [
+        str(name)
+        for name in table["parameter"].values
+        if name not in ", ".join(table["members"].values.astype(str)).split(", ")
+    ]
     if "group_shapley" in table:
         said = "Shapley effects sum to one, so a group's share is the sum of its parameters'."
         left = 1.0 - float(table["group_shapley"].sum())
@@ -43,15 +53,20 @@ def sentence(table: xr.Dataset) -> str:
         return said
     alone = float(np.clip(table["group_first_order"].sum(), 0.0, 1.0))
     rest = " and parameters of no group" if outside else ""
-    return (f"By themselves the groups explain {digits.percent(alone)} of the variance; what "
-            f"parameters of different groups{rest} do together makes the other "
-            f"{digits.percent(1.0 - alone)}.")
+    return (
+        f"By themselves the groups explain {digits.percent(alone)} of the variance; what "
+        f"parameters of different groups{rest} do together makes the other "
+        f"{digits.percent(1.0 - alone)}."
+    )
 
 
 def answer(table: xr.Dataset) -> tuple[str, str]:
     """The group with the largest share, and all shares with their intervals in a sentence."""
-    kind, name = ("Shapley effects", "group_shapley") if "group_shapley" in table \
+    kind, name = (
+        ("Shapley effects", "group_shapley")
+        if "group_shapley" in table
         else ("Total indices", "group_total")
+    )
     values, groups = index(table, name), table["group"].values.astype(str)
     order = np.argsort(-np.nan_to_num(values["value"]), kind="stable")
     told = "; ".join(f"{groups[k]} {_number(values, k)}" for k in order)
@@ -60,21 +75,34 @@ def answer(table: xr.Dataset) -> tuple[str, str]:
 
 def _caption(table: xr.Dataset, found: list) -> str:
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
-    told = "Shares of the groups" if len(found) == 1 else "Dark: the group alone. Light: total " \
+    told = (
+        "Shares of the groups"
+        if len(found) == 1
+        else "Dark: the group alone. Light: total "
         "index, with what it does together with parameters outside it"
+    )
     return f"{told}. Whiskers: {confidence} intervals."
 
 
 def _table(table: xr.Dataset, names: list[str], found: list) -> Table:
     order = np.argsort(-np.nan_to_num(found[-1][2]["value"]), kind="stable")
-    rows = tuple((Cell(names[k]), Cell(str(table["members"].values[k])),
-                  *(Cell(_number(values, k), sort_key(values["value"][k]))
-                    for _, _, values in found)) for k in order)
-    heads = (Head("group", numeric=False), Head("parameters", numeric=False),
-             *(Head(f"{title} (interval)") for title, _, _ in found))
+    rows = tuple(
+        (
+            Cell(names[k]),
+            Cell(str(table["members"].values[k])),
+            *(Cell(_number(values, k), sort_key(values["value"][k])) for _, _, values in found),
+        )
+        for k in order
+    )
+    heads = (
+        Head("group", numeric=False),
+        Head("parameters", numeric=False),
+        *(Head(f"{title} (interval)") for title, _, _ in found),
+    )
     return Table("Groups of parameters.", heads, rows)
 
 
 def _number(values: dict, k: int) -> str:
-    return digits.with_interval(*(values[part][k] for part in ("value", "low", "high")),
-                                most=DECIMALS)
+    return digits.with_interval(
+        *(values[part][k] for part in ("value", "low", "high")), most=DECIMALS
+    )

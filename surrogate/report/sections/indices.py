@@ -69,39 +69,69 @@ def blocks(content: Content, output: str) -> list:
 def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list:
     names, first, total = names_of(table), index(table, "first_order"), index(table, "total")
     freeze_below = content.screening.freeze_below if content.screening else None
-    series = [Bars("dark", "first order", first["value"], first["low"], first["high"]),
-              Bars("light", "total", total["value"], total["low"], total["high"])]
-    figures = [Figure(index_bars(names, series, SHARE, f"Sobol' indices of {output}",
-                                 freeze_below=freeze_below, trusted=not stamp),
-                      _bars_caption(table, freeze_below), stamp=stamp)]
+    series = [
+        Bars("dark", "first order", first["value"], first["low"], first["high"]),
+        Bars("light", "total", total["value"], total["low"], total["high"]),
+    ]
+    figures = [
+        Figure(
+            index_bars(
+                names,
+                series,
+                SHARE,
+                f"Sobol' indices of {output}",
+                freeze_below=freeze_below,
+                trusted=not stamp,
+            ),
+            _bars_caption(table, freeze_below),
+            stamp=stamp,
+        )
+    ]
     if _parts(total):
         figures.append(Figure(part_bars(names, total), _parts_caption(table, total)))
-    worst = np.asarray(table["total_worst"].values, dtype=float) if "total_worst" in table \
+    worst = (
+        np.asarray(table["total_worst"].values, dtype=float)
+        if "total_worst" in table
         else np.full(len(names), np.nan)
+    )
     numbers = [_table(names, first, total, worst)]
     second = index(table, "second_order") if "second_order" in table else None
     if second is not None and np.isfinite(second["value"]).any():
-        figures.append(Figure(
-            interaction_map(names, second["value"], second["low"], second["high"], output),
-            "Second order: the share of the variance that each pair of parameters makes "
-            "together, beyond both alone. Darker is larger.", stamp=stamp))
+        figures.append(
+            Figure(
+                interaction_map(names, second["value"], second["low"], second["high"], output),
+                "Second order: the share of the variance that each pair of parameters makes "
+                "together, beyond both alone. Darker is larger.",
+                stamp=stamp,
+            )
+        )
         numbers.append(_interactions(names, second))
-    return [Text(_how(table, first)), Figures(tuple(figures)),
-            Fold("Indices in numbers", tuple(numbers), open=True)]
+    return [
+        Text(_how(table, first)),
+        Figures(tuple(figures)),
+        Fold("Indices in numbers", tuple(numbers), open=True),
+    ]
 
 
 def _how(table: xr.Dataset, first: dict) -> str:
     alone = float(np.clip(np.nansum(first["value"]), 0.0, 1.0))
-    return (f"{method_of(table)} The parameters by themselves make {digits.percent(alone)} of the "
-            f"variance, interactions {digits.percent(1.0 - alone)}.")
+    return (
+        f"{method_of(table)} The parameters by themselves make {digits.percent(alone)} of the "
+        f"variance, interactions {digits.percent(1.0 - alone)}."
+    )
 
 
 def _bars_caption(table: xr.Dataset, freeze_below: float | None) -> str:
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
-    line = (f" Dashed: a parameter surely below {digits.plain(freeze_below)} may be frozen."
-            if freeze_below is not None else "")
-    return (f"Dark: first order (the parameter alone). Light: total (with all its "
-            f"interactions). Whiskers: {confidence} intervals.{line}")
+    line = (
+        f" Dashed: a parameter surely below {digits.plain(freeze_below)} may be frozen."
+        if freeze_below is not None
+        else ""
+    )
+    return (
+        f"Dark: first order (the parameter alone). Light: total (with all its "
+        f"interactions). Whiskers: {confidence} intervals.{line}"
+    )
 
 
 def _parts_caption(table: xr.Dataset, total: dict) -> str:
@@ -109,8 +139,10 @@ def _parts_caption(table: xr.Dataset, total: dict) -> str:
     how = told.partition(";")[0] + (" and what it misses" if "missed variance" in told else "")
     exact = not np.nan_to_num(total["sampling"]).any()
     sampling = "closed form, no sampling" if exact else "from the finite sample"
-    return (f"What the intervals of the total indices are made of. Dark: sampling part "
-            f"({sampling}). Light: the surrogate's own part{f' ({how})' if how else ''}.")
+    return (
+        f"What the intervals of the total indices are made of. Dark: sampling part "
+        f"({sampling}). Light: the surrogate's own part{f' ({how})' if how else ''}."
+    )
 
 
 def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Table:
@@ -120,42 +152,67 @@ def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Tab
     titles = ["parameter"]
     for title in ("first order (interval)", "total (interval)"):
         titles += [title, *(f"±\u00a0{part}" for part in parts)]
-    rows = [[Cell(names[k]), *_numbers(first, k, parts), *_numbers(total, k, parts)]
-            for k in order]
-    caption = ("First-order and total indices with their intervals, and the half-widths of the "
-               f"{'two parts' if len(parts) == 2 else 'parts'} of each interval.")
+    rows = [[Cell(names[k]), *_numbers(first, k, parts), *_numbers(total, k, parts)] for k in order]
+    caption = (
+        "First-order and total indices with their intervals, and the half-widths of the "
+        f"{'two parts' if len(parts) == 2 else 'parts'} of each interval."
+    )
     if np.isfinite(worst).any():
         titles.append("total at worst")
-        rows = [[*row, Cell(digits.figure(worst[k], 2), sort_key(worst[k]))]
-                for row, k in zip(rows, order, strict=True)]
-        caption += (" At worst: the largest total index that the solver itself can have, should "
-                    "all that the surrogate misses belong to this parameter.")
-    return Table(caption, tuple(Head(title, numeric=k > 0) for k, title in enumerate(titles)),
-                 tuple(map(tuple, rows)), sortable=len(rows) > 3)
+        rows = [
+            [*row, Cell(digits.figure(worst[k], 2), sort_key(worst[k]))]
+            for row, k in zip(rows, order, strict=True)
+        ]
+        caption += (
+            " At worst: the largest total index that the solver itself can have, should "
+            "all that the surrogate misses belong to this parameter."
+        )
+    return Table(
+        caption,
+        tuple(Head(title, numeric=k > 0) for k, title in enumerate(titles)),
+        tuple(map(tuple, rows)),
+        sortable=len(rows) > 3,
+    )
 
 
 def _parts(*indices: dict) -> list[str]:
     """Parts of the intervals that are more than rounding somewhere."""
-    return [part for part in ("sampling", "surrogate")
-            if any((np.nan_to_num(values[part]) > 1e-9).any() for values in indices)]
+    return [
+        part
+        for part in ("sampling", "surrogate")
+        if any((np.nan_to_num(values[part]) > 1e-9).any() for values in indices)
+    ]
 
 
 def _numbers(values: dict, k: int, parts: list[str]) -> list[Cell]:
-    whole = digits.with_interval(*(values[part][k] for part in ("value", "low", "high")),
-                                 most=DECIMALS)
-    return [Cell(whole, sort_key(values["value"][k])),
-            *(Cell(digits.figure(values[part][k], 2), sort_key(values[part][k]))
-              for part in parts)]
+    whole = digits.with_interval(
+        *(values[part][k] for part in ("value", "low", "high")), most=DECIMALS
+    )
+    return [
+        Cell(whole, sort_key(values["value"][k])),
+        *(Cell(digits.figure(values[part][k], 2), sort_key(values[part][k])) for part in parts),
+    ]
 
 
 def _interactions(names: list[str], second: dict) -> Table:
-    pairs = [(i, j) for i in range(len(names)) for j in range(i)
-             if np.isfinite(second["value"][i, j])]
+    pairs = [
+        (i, j) for i in range(len(names)) for j in range(i) if np.isfinite(second["value"][i, j])
+    ]
     pairs.sort(key=lambda pair: -second["value"][pair])
-    rows = tuple((Cell(f"{names[j]} × {names[i]}"),
-                  Cell(digits.with_interval(*(second[key][i, j] for key in
-                                              ("value", "low", "high")), most=DECIMALS)))
-                 for i, j in pairs[:LISTED])
+    rows = tuple(
+        (
+            Cell(f"{names[j]} × {names[i]}"),
+            Cell(
+                digits.with_interval(
+                    *(second[key][i, j] for key in ("value", "low", "high")), most=DECIMALS
+                )
+            ),
+        )
+        for i, j in pairs[:LISTED]
+    )
     more = f" The {LISTED} largest of {len(pairs)}." if len(pairs) > LISTED else ""
-    return Table(f"Second-order indices of the pairs.{more}",
-                 (Head("pair", numeric=False), Head("second order (interval)")), rows)
+    return Table(
+        f"Second-order indices of the pairs.{more}",
+        (Head("pair", numeric=False), Head("second order (interval)")),
+        rows,
+    )

@@ -12,9 +12,13 @@ from surrogate.report.figures.sobol import Bars, index_bars
 PARTS = ("low", "high", "sampling", "surrogate")
 
 #: Names of methods as a sentence has them.
-METHODS = {"sobol": "Sobol' indices", "shapley": "Shapley effects",
-           "morris": "elementary effects (Morris)", "dgsm": "squared derivatives (DGSM)",
-           "pawn": "PAWN"}
+METHODS = {
+    "sobol": "Sobol' indices",
+    "shapley": "Shapley effects",
+    "morris": "elementary effects (Morris)",
+    "dgsm": "squared derivatives (DGSM)",
+    "pawn": "PAWN",
+}
 #: What the measures of the methods that ship are, and the power of the output's unit in them.
 KNOWN = {
     "mu_star": (1, "mean size of the elementary effects (Morris)"),
@@ -26,8 +30,10 @@ KNOWN = {
     "mean": (0, "mean distance of the conditional distributions (PAWN)"),
     "maximum": (0, "largest distance of the conditional distributions (PAWN)"),
     "shapley": (0, "Shapley effect: share of the variance, dependence split evenly"),
-    "closed_first_order": (0, "share of the variance explained by the parameter and what "
-                              "depends on it"),
+    "closed_first_order": (
+        0,
+        "share of the variance explained by the parameter and what depends on it",
+    ),
     "independent_total": (0, "share of the variance that only the parameter's own part makes"),
     "effect": (1, "change of the output from the smallest to the largest value, others resting"),
     "share": (0, "share of the sum of sizes of the effects"),
@@ -38,8 +44,12 @@ KNOWN = {
 def index(table: xr.Dataset, name: str) -> dict[str, np.ndarray]:
     """`value`, `low`, `high`, `sampling`, `surrogate` of an index, NaN where not stored."""
     value = np.asarray(table[name].values, dtype=float)
-    parts = {part: np.asarray(table[f"{name}_{part}"].values, dtype=float)
-             if f"{name}_{part}" in table else np.full(value.shape, np.nan) for part in PARTS}
+    parts = {
+        part: np.asarray(table[f"{name}_{part}"].values, dtype=float)
+        if f"{name}_{part}" in table
+        else np.full(value.shape, np.nan)
+        for part in PARTS
+    }
     return {"value": value, **parts}
 
 
@@ -50,9 +60,13 @@ def names_of(table: xr.Dataset) -> list[str]:
 
 def measures_of(table: xr.Dataset) -> list[str]:
     """Names of what has one number a parameter, the method's leading one first."""
-    return [str(name) for name, variable in table.data_vars.items()
-            if variable.dims == ("parameter",) and np.issubdtype(variable.dtype, np.floating)
-            and str(name).rpartition("_")[2] not in PARTS]
+    return [
+        str(name)
+        for name, variable in table.data_vars.items()
+        if variable.dims == ("parameter",)
+        and np.issubdtype(variable.dtype, np.floating)
+        and str(name).rpartition("_")[2] not in PARTS
+    ]
 
 
 def blocks(table: xr.Dataset, output: str, unit: str, stamp: str) -> list:
@@ -60,19 +74,47 @@ def blocks(table: xr.Dataset, output: str, unit: str, stamp: str) -> list:
     names, found = names_of(table), measures_of(table)
     values = {name: index(table, name) for name in found}
     labels = {name: digits.labelled(name, unit_of(name, table, unit)) for name in found}
-    figures = tuple(Figure(
-        index_bars(names, [Bars("dark", name, *(values[name][part]
-                                                for part in ("value", "low", "high")))],
-                   labels[name], f"{name} of {output}", trusted=not stamp),
-        f"{name}{_meaning(table, name)}.", stamp=stamp) for name in found)
-    rows = tuple((Cell(names[k]), *(Cell(digits.with_interval(
-        *(values[name][part][k] for part in ("value", "low", "high"))),
-        sort_key(values[name]["value"][k])) for name in found)) for k in range(len(names)))
+    figures = tuple(
+        Figure(
+            index_bars(
+                names,
+                [Bars("dark", name, *(values[name][part] for part in ("value", "low", "high")))],
+                labels[name],
+                f"{name} of {output}",
+                trusted=not stamp,
+            ),
+            f"{name}{_meaning(table, name)}.",
+            stamp=stamp,
+        )
+        for name in found
+    )
+    rows = tuple(
+        (
+            Cell(names[k]),
+            *(
+                Cell(
+                    digits.with_interval(
+                        *(values[name][part][k] for part in ("value", "low", "high"))
+                    ),
+                    sort_key(values[name]["value"][k]),
+                )
+                for name in found
+            ),
+        )
+        for k in range(len(names))
+    )
     heads = (Head("parameter", numeric=False), *(Head(labels[name]) for name in found))
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
-    return [Text(method_of(table)), Figures(figures),
-            Table(f"The same in numbers, with {confidence} intervals where they are known.", heads,
-                  rows, sortable=len(rows) > 3)]
+    return [
+        Text(method_of(table)),
+        Figures(figures),
+        Table(
+            f"The same in numbers, with {confidence} intervals where they are known.",
+            heads,
+            rows,
+            sortable=len(rows) > 3,
+        ),
+    ]
 
 
 def unit_of(name: str, table: xr.Dataset, unit: str) -> str:

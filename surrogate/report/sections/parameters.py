@@ -24,12 +24,15 @@ def _parameters(content: Content) -> Table:
     titles = ["parameter", "unit", "smallest", "largest", "distribution"]
     rows = [_row(parameter, described) for parameter in content.space.parameters]
     table = heads(*titles, *(["meaning"] if described else []), names=2)
-    words = tuple(h if k in (2, 3) else type(h)(h.words, numeric=False)
-                  for k, h in enumerate(table))
-    rest = ("Everything else keeps the solver's nominal value."
-            if content.runs.attrs.get("constants", "{}") == "{}" else
-            "Everything else keeps the study's constants (see Provenance) or the solver's nominal "
-            "value.")
+    words = tuple(
+        h if k in (2, 3) else type(h)(h.words, numeric=False) for k, h in enumerate(table)
+    )
+    rest = (
+        "Everything else keeps the solver's nominal value."
+        if content.runs.attrs.get("constants", "{}") == "{}"
+        else "Everything else keeps the study's constants (see Provenance) or the solver's nominal "
+        "value."
+    )
     return Table(f"What varies. {rest}", words, tuple(rows))
 
 
@@ -38,11 +41,23 @@ def _row(parameter: Parameter, described: bool) -> tuple[Cell, ...]:
     meaning = (Cell(parameter.description),) if described else ()
     if parameter.categorical:
         kind = f"one of {digits.listing(parameter.levels)}"
-        return (Cell(parameter.name), Cell(unit), Cell(digits.NOTHING), Cell(digits.NOTHING),
-                Cell(kind), *meaning)
+        return (
+            Cell(parameter.name),
+            Cell(unit),
+            Cell(digits.NOTHING),
+            Cell(digits.NOTHING),
+            Cell(kind),
+            *meaning,
+        )
     lower, upper = parameter.distribution.support
-    return (Cell(parameter.name), Cell(unit), Cell(digits.plain(lower), lower),
-            Cell(digits.plain(upper), upper), Cell(_law(parameter)), *meaning)
+    return (
+        Cell(parameter.name),
+        Cell(unit),
+        Cell(digits.plain(lower), lower),
+        Cell(digits.plain(upper), upper),
+        Cell(_law(parameter)),
+        *meaning,
+    )
 
 
 def _law(parameter: Parameter) -> str:
@@ -62,18 +77,33 @@ def _outputs(content: Content) -> Table:
         shape = " × ".join(f"{variable.sizes[dim]} {dim}" for dim in own) or "one number"
         values = content.values(name)[content.ok]
         low, high = (np.min(values), np.max(values)) if values.size else (np.nan, np.nan)
-        rows.append((Cell(name), Cell(digits.unit(content.unit(name)) or digits.NOTHING),
-                     Cell(shape), Cell(digits.figure(low, 4)), Cell(digits.figure(high, 4)),
-                     Cell(str(variable.attrs.get("long_name", "")))))
+        rows.append(
+            (
+                Cell(name),
+                Cell(digits.unit(content.unit(name)) or digits.NOTHING),
+                Cell(shape),
+                Cell(digits.figure(low, 4)),
+                Cell(digits.figure(high, 4)),
+                Cell(str(variable.attrs.get("long_name", ""))),
+            )
+        )
     titles = heads("output", "unit", "shape", "smallest", "largest", "meaning", names=3)
-    return Table("What the solver answers, and the smallest and largest answer in all runs.",
-                 (*titles[:5], type(titles[5])("meaning", numeric=False)), tuple(rows))
+    return Table(
+        "What the solver answers, and the smallest and largest answer in all runs.",
+        (*titles[:5], type(titles[5])("meaning", numeric=False)),
+        tuple(rows),
+    )
 
 
 def _correlation(content: Content) -> Text:
     matrix = np.asarray(content.space.correlation)
     names = content.space.names
-    pairs = [f"{names[i]} and {names[j]} ({digits.fixed(matrix[i, j], 2)})"
-             for i in range(len(names)) for j in range(i) if abs(matrix[i, j]) > 1e-12]
-    return Text(f"The parameters depend on one another (Gaussian copula): "
-                f"{digits.listing(pairs)}.", "note")
+    pairs = [
+        f"{names[i]} and {names[j]} ({digits.fixed(matrix[i, j], 2)})"
+        for i in range(len(names))
+        for j in range(i)
+        if abs(matrix[i, j]) > 1e-12
+    ]
+    return Text(
+        f"The parameters depend on one another (Gaussian copula): {digits.listing(pairs)}.", "note"
+    )

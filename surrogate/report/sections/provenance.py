@@ -17,9 +17,13 @@ def section(content: Content) -> Section:
     for key, value in content.runs.attrs.items():
         if key != "study":
             rows.append((Cell(str(key).replace("_", " ")), Cell(_words(value))))
-    blocks: list = [Table("What made these numbers.",
-                          (Head("what", numeric=False), Head("value", numeric=False)),
-                          tuple(rows))]
+    blocks: list = [
+        Table(
+            "What made these numbers.",
+            (Head("what", numeric=False), Head("value", numeric=False)),
+            tuple(rows),
+        )
+    ]
     study = str(content.runs.attrs.get("study", ""))
     if study:
         blocks.append(Fold("Study file", (Listing(study),)))
@@ -31,9 +35,15 @@ def _cost(content: Content) -> list[tuple[Cell, ...]]:
     if not np.isfinite(content.seconds).any():
         return []
     own = ~content.repeated
-    return [(Cell("cost of the runs"),
-             Cell(f"{digits.duration(np.nansum(content.seconds[own]))} of solver time in "
-                  f"{digits.quantity(int(own.sum()), 'run')}"))]
+    return [
+        (
+            Cell("cost of the runs"),
+            Cell(
+                f"{digits.duration(np.nansum(content.seconds[own]))} of solver time in "
+                f"{digits.quantity(int(own.sum()), 'run')}"
+            ),
+        )
+    ]
 
 
 def _words(value) -> str:

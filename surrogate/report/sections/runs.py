@@ -29,20 +29,29 @@ def section(content: Content) -> Section:
 
 
 def _count(content: Content) -> str:
-    count, failed, missing = (int(which.sum()) for which in
-                              (np.ones_like(content.ok), content.failed, content.missing))
+    count, failed, missing = (
+        int(which.sum()) for which in (np.ones_like(content.ok), content.failed, content.missing)
+    )
     said = [f"{failed} failed"] * bool(failed) + [f"{missing} not made yet"] * bool(missing)
     words = f"{digits.quantity(count, 'run')}, {digits.listing(said) or 'all finished'}."
     for name, stored in json.loads(content.runs.attrs.get("stored", "{}")).items():
-        words += (f" {stored} of them {'was' if stored == 1 else 'were'} not run here but taken "
-                  f"from {name}.")
+        words += (
+            f" {stored} of them {'was' if stored == 1 else 'were'} not run here but taken "
+            f"from {name}."
+        )
     if np.isfinite(content.seconds).any():
         again = content.repeated
         seconds = content.seconds[~again]
-        words += (f" They took {digits.duration(np.nansum(seconds))} of solver time, "
-                  f"{digits.duration(np.nanmedian(seconds))} a run (median)")
-        words += (f"; {digits.quantity(int(again.sum()), 'run')} that designs share "
-                  f"{'is' if again.sum() == 1 else 'are'} counted once." if again.any() else ".")
+        words += (
+            f" They took {digits.duration(np.nansum(seconds))} of solver time, "
+            f"{digits.duration(np.nanmedian(seconds))} a run (median)"
+        )
+        words += (
+            f"; {digits.quantity(int(again.sum()), 'run')} that designs share "
+            f"{'is' if again.sum() == 1 else 'are'} counted once."
+            if again.any()
+            else "."
+        )
     return words
 
 
@@ -52,13 +61,23 @@ def _failures(content: Content) -> Table:
     for k in np.flatnonzero(content.failed):
         values = "; ".join(
             f"{name} {digits.with_unit(physical[name][k], content.unit(name))}"
-            for name in content.space.names)
-        rows.append((Cell(str(content.numbers[k]), float(k)), Cell(content.words("design")[k]),
-                     _status(content.words("status")[k]),
-                     Cell(content.words("message")[k] or "no message"), Cell(values)))
+            for name in content.space.names
+        )
+        rows.append(
+            (
+                Cell(str(content.numbers[k]), float(k)),
+                Cell(content.words("design")[k]),
+                _status(content.words("status")[k]),
+                Cell(content.words("message")[k] or "no message"),
+                Cell(values),
+            )
+        )
     words = ("run", "design", "status", "message", "at")
-    return Table("Failed runs: no surrogate has learnt from them.",
-                 tuple(Head(word, numeric=False) for word in words), tuple(rows))
+    return Table(
+        "Failed runs: no surrogate has learnt from them.",
+        tuple(Head(word, numeric=False) for word in words),
+        tuple(rows),
+    )
 
 
 def _table(content: Content) -> Table:
@@ -66,27 +85,46 @@ def _table(content: Content) -> Table:
     columns: list[tuple[Head, list[Cell]]] = [
         (Head("run"), [Cell(str(n), float(k)) for k, n in enumerate(numbers)]),
         (Head("design", numeric=False), [Cell(word) for word in content.words("design")]),
-        (Head("status", numeric=False), [_status(word) for word in content.words("status")])]
+        (Head("status", numeric=False), [_status(word) for word in content.words("status")]),
+    ]
     for name in content.space.names:
         head = digits.labelled(name, content.unit(name))
-        columns.append((Head(head, numeric=not content.space[name].categorical),
-                        _column(content.runs[name].values, physical[name])))
+        columns.append(
+            (
+                Head(head, numeric=not content.space[name].categorical),
+                _column(content.runs[name].values, physical[name]),
+            )
+        )
     for output in content.outputs:
         values = content.values(output)
         mean = values.reshape(len(values), -1).mean(axis=1)
         what = f"mean {output}" if content.is_field(output) else output
-        columns.append((Head(digits.labelled(what, content.unit(output))),
-                        _column(mean, digits.column(mean, 4))))
+        columns.append(
+            (
+                Head(digits.labelled(what, content.unit(output))),
+                _column(mean, digits.column(mean, 4)),
+            )
+        )
     spent = content.seconds
     columns.append((Head("time (s)"), _column(spent, [digits.figure(s) for s in spent])))
     if (content.words("message") != "").any():
-        columns.append((Head("message", numeric=False),
-                        [Cell(shorten(word, LONGEST, placeholder=" …"))
-                         for word in content.words("message")]))
+        columns.append(
+            (
+                Head("message", numeric=False),
+                [
+                    Cell(shorten(word, LONGEST, placeholder=" …"))
+                    for word in content.words("message")
+                ],
+            )
+        )
     rows = tuple(zip(*(cells for _, cells in columns), strict=True))
-    return Table("Every run with its inputs and outputs. A click on a head sorts.",
-                 tuple(head for head, _ in columns), rows, sortable=True,
-                 wide=len(columns) > 9)
+    return Table(
+        "Every run with its inputs and outputs. A click on a head sorts.",
+        tuple(head for head, _ in columns),
+        rows,
+        sortable=True,
+        wide=len(columns) > 9,
+    )
 
 
 def _status(word: str) -> Cell:
@@ -97,8 +135,10 @@ def _column(values, words) -> list[Cell]:
     values = np.asarray(values)
     if not np.issubdtype(values.dtype, np.number):
         return [Cell(str(word)) for word in words]
-    return [Cell(word, float(v) if np.isfinite(v) else None)
-            for word, v in zip(words, values, strict=True)]
+    return [
+        Cell(word, float(v) if np.isfinite(v) else None)
+        for word, v in zip(words, values, strict=True)
+    ]
 
 
 def _physical(content: Content) -> dict[str, list[str]]:
@@ -106,8 +146,9 @@ def _physical(content: Content) -> dict[str, list[str]]:
     printed = {}
     for parameter in content.space.parameters:
         values = content.runs[parameter.name].values
-        printed[parameter.name] = [str(v) for v in values] if parameter.categorical \
-            else digits.column(values, 4)
+        printed[parameter.name] = (
+            [str(v) for v in values] if parameter.categorical else digits.column(values, 4)
+        )
     return printed
 
 
@@ -116,8 +157,10 @@ def for_pointing(content: Content) -> dict[str, str]:
     physical = _physical(content)
     lines = {}
     for k, number in enumerate(content.numbers):
-        inputs = [f"{name} {digits.with_unit(physical[name][k], content.unit(name))}"
-                  for name in content.space.names]
+        inputs = [
+            f"{name} {digits.with_unit(physical[name][k], content.unit(name))}"
+            for name in content.space.names
+        ]
         title = f"run {number} ({content.words('design')[k]})"
         if not content.ok[k]:
             title += f" {content.words('status')[k].replace('_', ' ')}"

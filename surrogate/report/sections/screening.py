@@ -41,8 +41,10 @@ def section(content: Content) -> Section:
         blocks.append(_cost(decision))
     blocks += [Figures((_shares(decision),)), Text(_old_rule(decision))]
     if content.reduced_study:
-        blocks += [Text(f"The study without the frozen parameters is {REDUCED} beside this page:"),
-                   Fold(REDUCED, (Listing(content.reduced_study),))]
+        blocks += [
+            Text(f"The study without the frozen parameters is {REDUCED} beside this page:"),
+            Fold(REDUCED, (Listing(content.reduced_study),)),
+        ]
     return Section("screening", title, tuple(blocks))
 
 
@@ -50,12 +52,16 @@ def sentence(decision: Screening) -> str:
     """The decision in one sentence."""
     if decision.refused:
         return "Nothing is frozen, because the indices are not to be trusted."
-    rule = (f"its total index is surely below {digits.plain(decision.freeze_below)} "
-            f"({digits.percent(decision.confidence)} intervals)")
+    rule = (
+        f"its total index is surely below {digits.plain(decision.freeze_below)} "
+        f"({digits.percent(decision.confidence)} intervals)"
+    )
     if not decision.freeze:
         return f"Nothing is frozen: of no parameter can it be said that {rule}."
-    return (f"Keep {digits.listing(decision.keep, MOST) or 'nothing'}; freeze "
-            f"{digits.listing(decision.freeze, MOST)}. A parameter is frozen when {rule}.")
+    return (
+        f"Keep {digits.listing(decision.keep, MOST) or 'nothing'}; freeze "
+        f"{digits.listing(decision.freeze, MOST)}. A parameter is frozen when {rule}."
+    )
 
 
 def _voters(content: Content, decision: Screening) -> str:
@@ -63,33 +69,53 @@ def _voters(content: Content, decision: Screening) -> str:
     silent = [name for name in content.outputs if name not in decision.outputs]
     if not silent:
         return ""
-    return (f"Decided for the sake of {digits.listing(decision.outputs)} alone; what is frozen may "
-            f"matter to {digits.listing(silent)}.")
+    return (
+        f"Decided for the sake of {digits.listing(decision.outputs)} alone; what is frozen may "
+        f"matter to {digits.listing(silent)}."
+    )
 
 
 def _verdicts(content: Content, decision: Screening) -> Table:
-    titles = ("parameter", "decision", "total index", "worst case",
-              "one-at-a-time share", "93 % rule", "why")
-    titles = tuple(f"{digits.percent(decision.threshold)} rule" if word == "93 % rule" else word
-                   for word in titles)
+    titles = (
+        "parameter",
+        "decision",
+        "total index",
+        "worst case",
+        "one-at-a-time share",
+        "93 % rule",
+        "why",
+    )
+    titles = tuple(
+        f"{digits.percent(decision.threshold)} rule" if word == "93 % rule" else word
+        for word in titles
+    )
     rows = tuple(_row(content, verdict) for verdict in decision.verdicts)
-    several = f" Numbers are the largest over {digits.listing(decision.outputs)}." \
-        if len(decision.outputs) > 1 else ""
-    return Table(f"The decision on each parameter.{several} Total index: its value and the upper "
-                 "end of its interval, which decides. Worst case: the largest total index that the "
-                 "solver itself can have, should all that the surrogate misses belong to this "
-                 "parameter. One-at-a-time shares and the rule on them decide nothing.",
-                 tuple(Head(title, numeric=k in (2, 3, 4)) for k, title in enumerate(titles)),
-                 rows)
+    several = (
+        f" Numbers are the largest over {digits.listing(decision.outputs)}."
+        if len(decision.outputs) > 1
+        else ""
+    )
+    return Table(
+        f"The decision on each parameter.{several} Total index: its value and the upper "
+        "end of its interval, which decides. Worst case: the largest total index that the "
+        "solver itself can have, should all that the surrogate misses belong to this "
+        "parameter. One-at-a-time shares and the rule on them decide nothing.",
+        tuple(Head(title, numeric=k in (2, 3, 4)) for k, title in enumerate(titles)),
+        rows,
+    )
 
 
 def _row(content: Content, verdict: Verdict) -> tuple[Cell, ...]:
     total = f"{digits.fixed(verdict.total, 3)}, at most {digits.fixed(verdict.high, 3)}"
-    return (Cell(verdict.parameter), Cell(_decision(content, verdict),
-                                          tone="" if verdict.frozen else "strong"),
-            Cell(total, verdict.total), Cell(digits.figure(verdict.worst_case, 2)),
-            Cell(digits.percent(verdict.one_at_a_time)),
-            Cell("keeps" if verdict.kept_by_old_rule else "drops"), Cell(_reason(verdict)))
+    return (
+        Cell(verdict.parameter),
+        Cell(_decision(content, verdict), tone="" if verdict.frozen else "strong"),
+        Cell(total, verdict.total),
+        Cell(digits.figure(verdict.worst_case, 2)),
+        Cell(digits.percent(verdict.one_at_a_time)),
+        Cell("keeps" if verdict.kept_by_old_rule else "drops"),
+        Cell(_reason(verdict)),
+    )
 
 
 def _reason(verdict: Verdict) -> str:
@@ -108,45 +134,63 @@ def _decision(content: Content, verdict: Verdict) -> str:
 
 
 def _cost(decision: Screening) -> Table:
-    rows = tuple((Cell(kept.output), Cell(share_kept(kept)),
-                  Cell(digits.percent(kept.frozen_error))) for kept in decision.variance_kept)
-    return Table("What freezing costs: the share of the variance that the kept parameters explain "
-                 "together, and the mean square error of the reduced model as a share of the "
-                 "variance.", heads("output", "variance kept (interval)",
-                                    "missed by the reduced model"), rows)
+    rows = tuple(
+        (Cell(kept.output), Cell(share_kept(kept)), Cell(digits.percent(kept.frozen_error)))
+        for kept in decision.variance_kept
+    )
+    return Table(
+        "What freezing costs: the share of the variance that the kept parameters explain "
+        "together, and the mean square error of the reduced model as a share of the "
+        "variance.",
+        heads("output", "variance kept (interval)", "missed by the reduced model"),
+        rows,
+    )
 
 
 def share_kept(kept: VarianceKept) -> str:
     """`98.1 % (97.5 to 98.6)`."""
-    whole = digits.with_interval(*(100.0 * end for end in (kept.share, kept.low, kept.high)),
-                                 most=2)
+    whole = digits.with_interval(
+        *(100.0 * end for end in (kept.share, kept.low, kept.high)), most=2
+    )
     value, _, ends = whole.partition(" (")
     return f"{value}{digits.THIN}%" + (f" ({ends}" if ends else "")
 
 
 def _shares(decision: Screening) -> Figure:
-    total = {part: np.array([getattr(verdict, name) for verdict in decision.verdicts])
-             for part, name in (("value", "total"), ("high", "high"))}
+    total = {
+        part: np.array([getattr(verdict, name) for verdict in decision.verdicts])
+        for part, name in (("value", "total"), ("high", "high"))
+    }
     total["low"] = total["value"]
-    plot = share_plot([verdict.parameter for verdict in decision.verdicts],
-                      [verdict.one_at_a_time for verdict in decision.verdicts], total,
-                      decision.freeze_below)
-    return Figure(plot, "Square: share of the effects when one parameter moves at a time. Disc: "
-                        "total index, with the upper half of its interval. Dashed: the limit below "
-                        "which the upper end must lie to freeze. The two are of different kinds: "
-                        "an index is a share of the variance, in which effects count squared.")
+    plot = share_plot(
+        [verdict.parameter for verdict in decision.verdicts],
+        [verdict.one_at_a_time for verdict in decision.verdicts],
+        total,
+        decision.freeze_below,
+    )
+    return Figure(
+        plot,
+        "Square: share of the effects when one parameter moves at a time. Disc: "
+        "total index, with the upper half of its interval. Dashed: the limit below "
+        "which the upper end must lie to freeze. The two are of different kinds: "
+        "an index is a share of the variance, in which effects count squared.",
+    )
 
 
 def _old_rule(decision: Screening) -> str:
     old, new = set(decision.kept_by_old_rule), set(decision.keep)
-    rule = (f"The older rule keeps the largest one-at-a-time shares until they explain more than "
-            f"{digits.percent(decision.threshold)}: "
-            f"{digits.listing(decision.kept_by_old_rule, MOST) or 'nothing'}.")
+    rule = (
+        f"The older rule keeps the largest one-at-a-time shares until they explain more than "
+        f"{digits.percent(decision.threshold)}: "
+        f"{digits.listing(decision.kept_by_old_rule, MOST) or 'nothing'}."
+    )
     if decision.refused:
         return f"{rule} It decides nothing here."
     apart = [name for name in (*decision.keep, *decision.freeze) if (name in old) != (name in new)]
     if not apart:
         return f"{rule} Here it agrees."
-    return (f"{rule} It decides otherwise on {digits.listing(apart, MOST)}: moved one at a time, "
-            "parameters show nothing of their interactions, and a share says nothing of how sure "
-            "it is.")
+    return (
+        f"{rule} It decides otherwise on {digits.listing(apart, MOST)}: moved one at a time, "
+        "parameters show nothing of their interactions, and a share says nothing of how sure "
+        "it is."
+    )

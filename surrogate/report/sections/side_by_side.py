@@ -29,11 +29,16 @@ class Column:
     @classmethod
     def of(cls, name: str, table: xr.Dataset) -> Column:
         """From a regression table; the half interval is NaN where there is none."""
-        value, high = (np.asarray(table[key].values, dtype=float)
-                       for key in ("coefficient", "high"))
+        value, high = (
+            np.asarray(table[key].values, dtype=float) for key in ("coefficient", "high")
+        )
         terms = zip(table["term"].values.astype(str), value, high - value, strict=True)
-        return cls(name, table.sizes.get("run", 0), float(table.attrs.get("confidence", 0.95)),
-                   {term: (float(v), float(h)) for term, v, h in terms})
+        return cls(
+            name,
+            table.sizes.get("run", 0),
+            float(table.attrs.get("confidence", 0.95)),
+            {term: (float(v), float(h)) for term, v, h in terms},
+        )
 
 
 def table(content: Content, output: str) -> Table | None:
@@ -42,26 +47,47 @@ def table(content: Content, output: str) -> Table | None:
     Columns from few runs to many. The last says whether the interval of the first
     coefficient of a row covers the last one.
     """
-    columns = sorted((Column.of(name, by_output[output])
-                      for name, by_output in content.regression.items() if output in by_output),
-                     key=lambda column: (column.runs, len(column.terms)))
+    columns = sorted(
+        (
+            Column.of(name, by_output[output])
+            for name, by_output in content.regression.items()
+            if output in by_output
+        ),
+        key=lambda column: (column.runs, len(column.terms)),
+    )
     count = Counter(term for column in columns for term in column.terms)
-    shared = [term for term in dict.fromkeys(term for c in columns for term in c.terms)
-              if count[term] > 1]
+    shared = [
+        term for term in dict.fromkeys(term for c in columns for term in c.terms) if count[term] > 1
+    ]
     if not shared:
         return None
     carried = {column.name: _carried(content, column.name) for column in columns}
     told = [column for column in columns if carried[column.name]]
-    rows = tuple((Cell(printed(term)), *(_cell(column, term, columns) for column in columns),
-                  *(Cell(digits.listing(map(printed, carried[column.name].get(term, ())))
-                         or digits.NOTHING) for column in told), _verdict(columns, term))
-                 for term in shared)
+    rows = tuple(
+        (
+            Cell(printed(term)),
+            *(_cell(column, term, columns) for column in columns),
+            *(
+                Cell(
+                    digits.listing(map(printed, carried[column.name].get(term, ())))
+                    or digits.NOTHING
+                )
+                for column in told
+            ),
+            _verdict(columns, term),
+        )
+        for term in shared
+    )
     unit = content.unit(output)
-    heads = (Head("term", numeric=False),
-             *(Head(digits.labelled(f"{column.name}, {digits.quantity(column.runs, 'run')}", unit))
-               for column in columns),
-             *(Head(f"{column.name} also carries", numeric=False) for column in told),
-             Head("first interval holds last value", numeric=False))
+    heads = (
+        Head("term", numeric=False),
+        *(
+            Head(digits.labelled(f"{column.name}, {digits.quantity(column.runs, 'run')}", unit))
+            for column in columns
+        ),
+        *(Head(f"{column.name} also carries", numeric=False) for column in told),
+        Head("first interval holds last value", numeric=False),
+    )
     return Table(_caption(told, columns), heads, rows)
 
 
@@ -81,8 +107,11 @@ def _carried(content: Content, name: str) -> dict[str, list[str]]:
     if not holding:
         return {}
     smallest = min(holding, key=lambda design: (content.words("design") == design).sum())
-    return {effect: found for effect, aliases in content.aliasing[smallest].table
-            if ":" not in effect and (found := [alias for alias in aliases if ":" in alias])}
+    return {
+        effect: found
+        for effect, aliases in content.aliasing[smallest].table
+        if ":" not in effect and (found := [alias for alias in aliases if ":" in alias])
+    }
 
 
 def _cell(column: Column, term: str, columns: list[Column]) -> Cell:
@@ -91,8 +120,11 @@ def _cell(column: Column, term: str, columns: list[Column]) -> Cell:
     value, half = column.terms[term]
     moved = column is _holders(columns, term)[0] and _covers(columns, term) is False
     # A wide interval must not round its coefficient away: 2.31 ± 23.
-    words = digits.with_half(value, half) if half <= abs(value) or not np.isfinite(half) \
+    words = (
+        digits.with_half(value, half)
+        if half <= abs(value) or not np.isfinite(half)
         else f"{digits.figure(value)} ± {digits.figure(half, 2)}"
+    )
     return Cell(words, value if np.isfinite(value) else None, tone="bad" if moved else "")
 
 
@@ -117,13 +149,17 @@ def _covers(columns: list[Column], term: str) -> bool | None:
 
 def _caption(told: list[Column], columns: list[Column]) -> str:
     confidence = digits.percent(columns[0].confidence)
-    said = (f"Coefficients side by side, from few runs to many, each ± half its {confidence} "
-            "interval, in coded units. A first coefficient whose interval does not hold the last "
-            "one of its row is marked: it did not survive. An interval wider than its coefficient "
-            "holds nearly anything, so a yes beside it only says that few runs could not tell.")
+    said = (
+        f"Coefficients side by side, from few runs to many, each ± half its {confidence} "
+        "interval, in coded units. A first coefficient whose interval does not hold the last "
+        "one of its row is marked: it did not survive. An interval wider than its coefficient "
+        "holds nearly anything, so a yes beside it only says that few runs could not tell."
+    )
     if told:
-        said += (" Also carries: interactions that the design cannot tell from the term, so that "
-                 "its coefficient is the sum of all of them.")
+        said += (
+            " Also carries: interactions that the design cannot tell from the term, so that "
+            "its coefficient is the sum of all of them."
+        )
     if any(column.runs <= len(column.terms) for column in columns):
         said += " As many coefficients as runs leave no interval."
     return said

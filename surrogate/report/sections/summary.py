@@ -31,14 +31,20 @@ def section(content: Content) -> Section:
         blocks.append(Text(content.about, "lead"))
     blocks.append(Facts(tuple(_facts(content))))
     if not content.fits:
-        blocks.append(Text("The study asks for no surrogate: it makes runs and shows them.",
-                           "note"))
+        blocks.append(
+            Text("The study asks for no surrogate: it makes runs and shows them.", "note")
+        )
     warned = warnings(content)
     if warned:
         blocks.append(Points(tuple(warned), "warning"))
     else:
-        blocks.append(Text("Nothing stands against these figures: no failed run, no poor "
-                           "surrogate, no refused index.", "good"))
+        blocks.append(
+            Text(
+                "Nothing stands against these figures: no failed run, no poor "
+                "surrogate, no refused index.",
+                "good",
+            )
+        )
     return Section("answer", "Question and answer", tuple(blocks))
 
 
@@ -52,8 +58,10 @@ def _facts(content: Content) -> list[Fact]:
         if of_output(content, output) is not None:
             facts += [_matters(content, output), *_groups(content, output, suffix)]
     if content.validation is not None:
-        facts += [Fact("Closest to cases not seen" + (f": {output}" if several else ""), *words)
-                  for output, *words in verdicts(content)]
+        facts += [
+            Fact("Closest to cases not seen" + (f": {output}" if several else ""), *words)
+            for output, *words in verdicts(content)
+        ]
     if content.screening is not None:
         facts.append(_frozen(content.screening))
     return facts
@@ -66,8 +74,11 @@ def _asked(content: Content) -> Fact:
     of = f" of solver {solver}" if solver else ""
     failed = int(content.failed.sum())
     runs = digits.quantity(len(content.ok), "run") + (f", {failed} failed" if failed else "")
-    return Fact("What was asked", f"{outputs} over {many}",
-                f"{digits.listing(content.space.names, MOST)}{of}; {runs}.")
+    return Fact(
+        "What was asked",
+        f"{outputs} over {many}",
+        f"{digits.listing(content.space.names, MOST)}{of}; {runs}.",
+    )
 
 
 def _best(content: Content, output: str, suffix: str) -> Fact:
@@ -79,21 +90,31 @@ def _best(content: Content, output: str, suffix: str) -> Fact:
     error = row.get(f"rmse_{how}", np.nan)
     kind = "on held-out runs" if held else "in cross-validation"
     if not np.isfinite(error):
-        return Fact(f"Best surrogate{suffix}", best,
-                    "Its error on new points is not known: no held-out runs, and no run can be "
-                    "left out of the training.")
+        return Fact(
+            f"Best surrogate{suffix}",
+            best,
+            "Its error on new points is not known: no held-out runs, and no run can be "
+            "left out of the training.",
+        )
     spread = _spread(content, output)
     if error <= ROUNDING * spread:
-        return Fact(f"Best surrogate{suffix}", f"{best}, exact to rounding",
-                    f"It repeats the solver {kind}: the solver itself has this form.")
+        return Fact(
+            f"Best surrogate{suffix}",
+            f"{best}, exact to rounding",
+            f"It repeats the solver {kind}: the solver itself has this form.",
+        )
     words = [f"Q² {digits.score(row.get(f'q2_{how}', np.nan))} {kind}."]
     if spread > 0:
-        words.append(f"The output varies by {digits.with_unit(digits.figure(spread), unit)} "
-                     "(standard deviation).")
+        words.append(
+            f"The output varies by {digits.with_unit(digits.figure(spread), unit)} "
+            "(standard deviation)."
+        )
     said = margin(content, output)
-    return Fact(f"Best surrogate{suffix}",
-                f"{best}, typical error {digits.with_unit(digits.figure(error, 2), unit)}",
-                " ".join([*words, said]))
+    return Fact(
+        f"Best surrogate{suffix}",
+        f"{best}, typical error {digits.with_unit(digits.figure(error, 2), unit)}",
+        " ".join([*words, said]),
+    )
 
 
 def _spread(content: Content, output: str) -> float:
@@ -112,8 +133,10 @@ def _matters(content: Content, output: str) -> Fact:
         return Fact(title, "not known", method_of(table))
     names, total = names_of(table), index(table, leading)
     order = np.argsort(-np.nan_to_num(np.abs(total["value"]), nan=-1.0))
-    shares = [digits.with_interval(*(total[part][k] for part in ("value", "low", "high")),
-                                   most=DECIMALS) for k in order[:3]]
+    shares = [
+        digits.with_interval(*(total[part][k] for part in ("value", "low", "high")), most=DECIMALS)
+        for k in order[:3]
+    ]
     words = [f"{names[k]} {share}" for k, share in zip(order[:3], shares, strict=True)]
     what = _titled(leading, unit_of(leading, table, content.unit(output)))
     return Fact(title, names[order[0]], f"{what}, largest first: {'; '.join(words)}.")
@@ -136,16 +159,21 @@ def _frozen(decision: Screening) -> Fact:
     title = "What may be frozen"
     if decision.refused:
         return Fact(title, "not answered", screening.sentence(decision))
-    kept = [f"{screening.share_kept(kept)} of the variance"
-            + (f" of {kept.output}" if len(decision.variance_kept) > 1 else "")
-            for kept in decision.variance_kept]
+    kept = [
+        f"{screening.share_kept(kept)} of the variance"
+        + (f" of {kept.output}" if len(decision.variance_kept) > 1 else "")
+        for kept in decision.variance_kept
+    ]
     if not decision.freeze:
         return Fact(title, "nothing", screening.sentence(decision))
     few = len(decision.freeze) <= MOST // 2
     of = f"{len(decision.freeze)} of {digits.quantity(len(decision.verdicts), 'parameter')}"
     names = "" if few else f"{digits.listing(decision.freeze, MOST)}. "
-    return Fact(title, digits.listing(decision.freeze) if few else of,
-                f"{names}The others keep {digits.listing(kept)}.")
+    return Fact(
+        title,
+        digits.listing(decision.freeze) if few else of,
+        f"{names}The others keep {digits.listing(kept)}.",
+    )
 
 
 def warnings(content: Content) -> list[str]:
@@ -157,8 +185,10 @@ def warnings(content: Content) -> list[str]:
         said.append(f"{failed} of {of} failed and are missing from the fits; see Runs.")
     missing = int(content.missing.sum())
     if missing:
-        said.append(f"{digits.quantity(missing, 'run')} of the designs "
-                    f"{'is' if missing == 1 else 'are'} not made yet.")
+        said.append(
+            f"{digits.quantity(missing, 'run')} of the designs "
+            f"{'is' if missing == 1 else 'are'} not made yet."
+        )
     said += content.not_done
     for output in content.outputs:
         said += [*_poor(content, output), *_saturated(content, output)]
@@ -166,9 +196,11 @@ def warnings(content: Content) -> list[str]:
     for design, aliasing in content.aliasing.items():
         names = learnt_only_from(content, design)
         if aliasing.resolution == 3 and names:
-            said.append(f"Design {design}, all that {digits.listing(names)} "
-                        f"{'learns' if len(names) == 1 else 'learn'} from, has resolution "
-                        f"{roman(3)}: main effects cannot be told from two-factor interactions.")
+            said.append(
+                f"Design {design}, all that {digits.listing(names)} "
+                f"{'learns' if len(names) == 1 else 'learn'} from, has resolution "
+                f"{roman(3)}: main effects cannot be told from two-factor interactions."
+            )
     return said
 
 
@@ -178,21 +210,34 @@ def _poor(content: Content, output: str) -> list[str]:
         return [f"No surrogate of {output} could be fitted."] if content.fits else []
     said, q2 = [], content.q2(best, output)
     if np.isfinite(q2) and q2 < POOR_Q2:
-        said.append(f"The best surrogate of {output}, {best}, has Q² {digits.fixed(q2, 2)} on "
-                    f"runs it has not seen, below {POOR_Q2:g}: its predictions are rough.")
+        said.append(
+            f"The best surrogate of {output}, {best}, has Q² {digits.fixed(q2, 2)} on "
+            f"runs it has not seen, below {POOR_Q2:g}: its predictions are rough."
+        )
     coverage = content.row(best, output).get("coverage_95", np.nan)
     if coverage < POOR_COVERAGE:
-        said.append(f"The 95{digits.THIN}% intervals of {best} hold only "
-                    f"{digits.percent(coverage)} of the held-out values of {output}: they are too "
-                    "narrow.")
+        said.append(
+            f"The 95{digits.THIN}% intervals of {best} hold only "
+            f"{digits.percent(coverage)} of the held-out values of {output}: they are too "
+            "narrow."
+        )
     return said
 
 
 def _saturated(content: Content, output: str) -> list[str]:
-    names = [name for name, by_output in content.regression.items()
-             if output in by_output and _no_freedom(by_output[output])]
-    return [f"{digits.listing(names)} of {output} has as many coefficients as runs: R² and the "
-            "residuals say nothing about it."] if names else []
+    names = [
+        name
+        for name, by_output in content.regression.items()
+        if output in by_output and _no_freedom(by_output[output])
+    ]
+    return (
+        [
+            f"{digits.listing(names)} of {output} has as many coefficients as runs: R² and the "
+            "residuals say nothing about it."
+        ]
+        if names
+        else []
+    )
 
 
 def _no_freedom(table) -> bool:

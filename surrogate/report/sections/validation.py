@@ -24,8 +24,15 @@ from surrogate.report.figures.agreement import difference_plot, scatter_plot
 
 #: From this many models on, drawings of all but the first ones are folded.
 SHOWN = 4
-HEADS = ("model", "cases", "slope", "R² (1 − SSE/SST)", "R² (correlation)", "mean error (%)",
-         "in its 95 % intervals")
+HEADS = (
+    "model",
+    "cases",
+    "slope",
+    "R² (1 − SSE/SST)",
+    "R² (correlation)",
+    "mean error (%)",
+    "in its 95 % intervals",
+)
 DIFFERENCES = ("model", "RMSE", "bias", "lower limit of agreement", "upper limit of agreement")
 MEANING = (
     "Slope: of the regression through the origin, reference on x, model on y. R² as 1 − SSE/SST "
@@ -37,7 +44,8 @@ MEANING = (
     "limits: {how}. In its 95 % intervals: share of the reference values inside the surrogate's "
     "own intervals. These say how well the surrogate knows its solver; of what the solver leaves "
     "out, of inputs that the study does not vary and of errors of measurement they know nothing, "
-    "so a share well below 95 % is no fault of the surrogate by itself.")
+    "so a share well below 95 % is no fault of the surrogate by itself."
+)
 
 
 def section(content: Content) -> Section:
@@ -62,13 +70,17 @@ def _cases(data: xr.Dataset) -> str:
     if inside.all():
         words += ", all inside the ranges of the study's parameters."
     else:
-        words += (f"; {int((~inside).sum())} of them outside the ranges of the study's parameters "
-                  "and set aside: no figure is drawn from there.")
+        words += (
+            f"; {int((~inside).sum())} of them outside the ranges of the study's parameters "
+            "and set aside: no figure is drawn from there."
+        )
     if "subject" in data:
         subjects = len(np.unique(data["subject"].values[inside]))
-        words += (f" They come from {digits.quantity(subjects, 'subject')}; limits of agreement "
-                  "count the scatter within and between subjects, the interval of the slope "
-                  "takes all cases for independent.")
+        words += (
+            f" They come from {digits.quantity(subjects, 'subject')}; limits of agreement "
+            "count the scatter within and between subjects, the interval of the slope "
+            "takes all cases for independent."
+        )
     return words
 
 
@@ -78,12 +90,17 @@ def _closest(data: xr.Dataset) -> list[str]:
     for output, best, row in _best(data):
         unit = str(data["units"].sel(output=output).item())
         side = "high" if row["bias"] > 0.0 else "low"
-        sure = "" if row["bias_low"] > 0.0 or row["bias_high"] < 0.0 else \
-            ", no more than chance would do"
+        sure = (
+            ""
+            if row["bias_low"] > 0.0 or row["bias_high"] < 0.0
+            else ", no more than chance would do"
+        )
         bias = digits.with_unit(digits.figure(abs(row["bias"]), 2), unit)
         limits = digits.with_unit(digits.interval(row["lower_limit"], row["upper_limit"]), unit)
-        said.append(f"{best} is closest to {output}: on average {bias} too {side}{sure}; on a new "
-                    f"case it is expected to be off by {limits} (95 % limits of agreement).")
+        said.append(
+            f"{best} is closest to {output}: on average {bias} too {side}{sure}; on a new "
+            f"case it is expected to be off by {limits} (95 % limits of agreement)."
+        )
     return said
 
 
@@ -92,12 +109,30 @@ def _best(data: xr.Dataset) -> list[tuple[str, str, dict[str, float]]]:
     found = []
     for output in data["output"].values.astype(str):
         own = data.sel(output=output)
-        names = [name for name in own["model"].values.astype(str)
-                 if np.isfinite(own["lower_limit"].sel(model=name))]
+        names = [
+            name
+            for name in own["model"].values.astype(str)
+            if np.isfinite(own["lower_limit"].sel(model=name))
+        ]
         if names:
             best = min(names, key=lambda name: float(own["rmse"].sel(model=name)))
-            found.append((output, best, {key: float(own[key].sel(model=best)) for key in (
-                "bias", "bias_low", "bias_high", "lower_limit", "upper_limit", "n")}))
+            found.append(
+                (
+                    output,
+                    best,
+                    {
+                        key: float(own[key].sel(model=best))
+                        for key in (
+                            "bias",
+                            "bias_low",
+                            "bias_high",
+                            "lower_limit",
+                            "upper_limit",
+                            "n",
+                        )
+                    },
+                )
+            )
     return found
 
 
@@ -108,76 +143,131 @@ def verdicts(content: Content) -> list[tuple[str, str, str]]:
         unit = str(content.validation["units"].sel(output=output).item())
         limits = digits.interval(row["lower_limit"], row["upper_limit"])
         bias = digits.with_unit(digits.figure(row["bias"], 2), unit)
-        found.append((output, f"{best}, bias {bias}", (
-            f"95 % of its differences from {content.validation.attrs['cases']} are expected "
-            f"within {digits.with_unit(limits, unit)} ({row['n']:.0f} cases).")))
+        found.append(
+            (
+                output,
+                f"{best}, bias {bias}",
+                (
+                    f"95 % of its differences from {content.validation.attrs['cases']} are expected "
+                    f"within {digits.with_unit(limits, unit)} ({row['n']:.0f} cases)."
+                ),
+            )
+        )
     return found
 
 
 def _aside(data: xr.Dataset, rows: np.ndarray) -> Fold:
-    table = Table("Cases outside, and the ranges of the study in brackets.",
-                  (Head("case", numeric=False), Head("outside", numeric=False)),
-                  tuple((Cell(str(data["case"].values[k])), Cell(str(data["outside"].values[k])))
-                        for k in rows))
+    table = Table(
+        "Cases outside, and the ranges of the study in brackets.",
+        (Head("case", numeric=False), Head("outside", numeric=False)),
+        tuple(
+            (Cell(str(data["case"].values[k])), Cell(str(data["outside"].values[k]))) for k in rows
+        ),
+    )
     return Fold(f"{digits.quantity(len(rows), 'case')} set aside", (table,), open=len(rows) <= 10)
 
 
 def _blocks(data: xr.Dataset, output: str) -> list:
     unit = str(data["units"].item())
-    names = [name for name in data["model"].values.astype(str)
-             if data["n"].sel(model=name) >= 1]
+    names = [name for name in data["model"].values.astype(str) if data["n"].sel(model=name) >= 1]
     heading = Heading(digits.labelled(output, unit), anchor("validation", output))
     if not names:
-        return [heading, Text("No case lies inside the ranges of the study, so nothing can be "
-                              "compared.", "warning")]
+        return [
+            heading,
+            Text(
+                "No case lies inside the ranges of the study, so nothing can be compared.",
+                "warning",
+            ),
+        ]
     ranked = sorted(names, key=lambda name: float(data["rmse"].sel(model=name)))
-    figures = [[Figure(*pair) for pair in _plots(data.sel(model=name), name, output, unit)]
-               for name in ranked]
+    figures = [
+        [Figure(*pair) for pair in _plots(data.sel(model=name), name, output, unit)]
+        for name in ranked
+    ]
     shown = [figure for pair in figures[:SHOWN] for figure in pair]
     how = "delta method" if "subject" in data else "noncentral t, exact for normal differences"
-    blocks = [heading, *_tables(data, names, ranked[0], unit), Figures(tuple(shown)),
-              Fold("What the figures are", (Text(MEANING.format(how=how)),), open=True)]
+    blocks = [
+        heading,
+        *_tables(data, names, ranked[0], unit),
+        Figures(tuple(shown)),
+        Fold("What the figures are", (Text(MEANING.format(how=how)),), open=True),
+    ]
     if figures[SHOWN:]:
         more = digits.quantity(len(figures) - SHOWN, "further model")
-        blocks.append(Fold(f"Plots of {more}", (Figures(tuple(
-            figure for pair in figures[SHOWN:] for figure in pair)),)))
+        blocks.append(
+            Fold(
+                f"Plots of {more}",
+                (Figures(tuple(figure for pair in figures[SHOWN:] for figure in pair)),),
+            )
+        )
     return blocks
 
 
 def _tables(data: xr.Dataset, names: list[str], best: str, unit: str) -> list[Table]:
     """How the models follow the reference, and how far they are from it."""
-    rows = {name: {str(key): float(value) for key, value in data.sel(model=name).data_vars.items()
-                   if value.ndim == 0 and np.issubdtype(value.dtype, np.number)}
-            for name in names}
-    apart = tuple(Head(digits.labelled(word, unit) if k else word, numeric=k > 0)
-                  for k, word in enumerate(DIFFERENCES))
+    rows = {
+        name: {
+            str(key): float(value)
+            for key, value in data.sel(model=name).data_vars.items()
+            if value.ndim == 0 and np.issubdtype(value.dtype, np.number)
+        }
+        for name in names
+    }
+    apart = tuple(
+        Head(digits.labelled(word, unit) if k else word, numeric=k > 0)
+        for k, word in enumerate(DIFFERENCES)
+    )
     follow = tuple(Head(word, numeric=k > 0) for k, word in enumerate(HEADS))
-    return [_table("Each model over the reference; 95 % intervals in brackets.", follow,
-                   {name: _following(row) for name, row in rows.items()}, best),
-            _table("Each model minus the reference. The smallest RMSE is set strong.", apart,
-                   {name: _differing(row) for name, row in rows.items()}, best)]
+    return [
+        _table(
+            "Each model over the reference; 95 % intervals in brackets.",
+            follow,
+            {name: _following(row) for name, row in rows.items()},
+            best,
+        ),
+        _table(
+            "Each model minus the reference. The smallest RMSE is set strong.",
+            apart,
+            {name: _differing(row) for name, row in rows.items()},
+            best,
+        ),
+    ]
 
 
-def _table(caption: str, heads: tuple[Head, ...], rows: dict[str, list[tuple[str, float]]],
-           best: str) -> Table:
-    return Table(caption, heads, tuple(
-        (Cell(name, tone="strong" if name == best else ""),
-         *(Cell(words, value if np.isfinite(value) else None) for words, value in row))
-        for name, row in rows.items()), sortable=len(rows) > 2)
+def _table(
+    caption: str, heads: tuple[Head, ...], rows: dict[str, list[tuple[str, float]]], best: str
+) -> Table:
+    return Table(
+        caption,
+        heads,
+        tuple(
+            (
+                Cell(name, tone="strong" if name == best else ""),
+                *(Cell(words, value if np.isfinite(value) else None) for words, value in row),
+            )
+            for name, row in rows.items()
+        ),
+        sortable=len(rows) > 2,
+    )
 
 
 def _following(row: dict[str, float]) -> list[tuple[str, float]]:
-    words = {"n": f"{row['n']:.0f}", "slope": _interval(row, "slope"),
-             "r2": digits.figure(row["r2"], 2),
-             "r2_correlation": digits.figure(row["r2_correlation"], 2),
-             "mean_error_percent": digits.figure(row["mean_error_percent"], 2),
-             "coverage_95": digits.percent(row["coverage_95"])}
+    words = {
+        "n": f"{row['n']:.0f}",
+        "slope": _interval(row, "slope"),
+        "r2": digits.figure(row["r2"], 2),
+        "r2_correlation": digits.figure(row["r2_correlation"], 2),
+        "mean_error_percent": digits.figure(row["mean_error_percent"], 2),
+        "coverage_95": digits.percent(row["coverage_95"]),
+    }
     return [(text, row[key]) for key, text in words.items()]
 
 
 def _differing(row: dict[str, float]) -> list[tuple[str, float]]:
-    return [(digits.figure(row["rmse"]), row["rmse"]),
-            *((_interval(row, key), row[key]) for key in ("bias", "lower_limit", "upper_limit"))]
+    return [
+        (digits.figure(row["rmse"]), row["rmse"]),
+        *((_interval(row, key), row[key]) for key in ("bias", "lower_limit", "upper_limit")),
+    ]
 
 
 def _interval(row: dict[str, float], key: str) -> str:
@@ -190,13 +280,21 @@ def _plots(data: xr.Dataset, name: str, output: str, unit: str) -> list:
     reference, model = reference[known], model[known]
     half = (data["high"].values - data["low"].values)[known] / 2.0
     labels = data["case"].values[known].astype(str)
-    figures = {str(key): float(value) for key, value in data.data_vars.items() if value.ndim == 0
-               and np.issubdtype(value.dtype, np.number)}
+    figures = {
+        str(key): float(value)
+        for key, value in data.data_vars.items()
+        if value.ndim == 0 and np.issubdtype(value.dtype, np.number)
+    }
     bars = " Bars are its 95 % intervals, cut at the frame." if np.isfinite(half).any() else ""
     return [
-        (scatter_plot(reference, model, half, labels, figures["slope"], name, output, unit),
-         f"{name} over the reference. Dashed: equality; solid: regression through the "
-         f"origin.{bars}"),
-        (difference_plot(reference, model, labels, figures, name, output, unit),
-         f"{name} minus the reference, over the mean of both (Bland and Altman 1986). Solid: bias; "
-         "dashed: limits of agreement; bands: their 95 % intervals.")]
+        (
+            scatter_plot(reference, model, half, labels, figures["slope"], name, output, unit),
+            f"{name} over the reference. Dashed: equality; solid: regression through the "
+            f"origin.{bars}",
+        ),
+        (
+            difference_plot(reference, model, labels, figures, name, output, unit),
+            f"{name} minus the reference, over the mean of both (Bland and Altman 1986). Solid: bias; "
+            "dashed: limits of agreement; bands: their 95 % intervals.",
+        ),
+    ]

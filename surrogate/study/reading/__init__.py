@@ -13,6 +13,21 @@ from surrogate.study.reading.runs import stored_of
 from surrogate.study.reading.solver import constants_of, outputs_of, solver_of, space_of
 from surrogate.study.reading.validation import cases_at, check_cases, validation_of
 
-__all__ = ["Reading", "SensitivityMethod", "Surrogate", "cases_at", "check_cases",
-           "check_screening", "constants_of", "designs_of", "outputs_of", "sensitivity_of",
-           "sentences", "solver_of", "space_of", "stored_of", "surrogates_of", "validation_of"]
+__all__ = [
+    "Reading",
+    "SensitivityMethod",
+    "Surrogate",
+    "cases_at",
+    "check_cases",
+    "check_screening",
+    "constants_of",
+    "designs_of",
+    "outputs_of",
+    "sensitivity_of",
+    "sentences",
+    "solver_of",
+    "space_of",
+    "stored_of",
+    "surrogates_of",
+    "validation_of",
+]

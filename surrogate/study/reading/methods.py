@@ -66,8 +66,10 @@ def designs_of(reading: Reading, space: Space | None) -> dict[str, Design]:
 def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) -> Design | None:
     path = ("designs", name)
     first = _method(reading, plugins.DESIGNS, part, path)
-    more = [_method(reading, plugins.AUGMENTATIONS, addition, (*path, "augment", index))
-            for index, addition in enumerate(part.augment)]
+    more = [
+        _method(reading, plugins.AUGMENTATIONS, addition, (*path, "augment", index))
+        for index, addition in enumerate(part.augment)
+    ]
     if space is None or first is None or None in more:
         return None
     with reading.noting(*path):
@@ -86,8 +88,10 @@ def _points(name: str, space: Space, method: Callable[..., Any], *given: Any) ->
     """Coded points (run, parameter) that a method gives, whoever wrote it."""
     coded = plugins.call(f"'{name}' fails", lambda: np.asarray(method(*given), dtype=float))
     if coded.ndim != 2 or coded.shape[1] != space.size or not np.isfinite(coded).all():
-        raise PluginError(f"'{name}' gave an array of shape {coded.shape}; it must give coded "
-                          f"points (run, {space.size}), one column a parameter, all finite")
+        raise PluginError(
+            f"'{name}' gave an array of shape {coded.shape}; it must give coded "
+            f"points (run, {space.size}), one column a parameter, all finite"
+        )
     return coded
 
 
@@ -113,8 +117,9 @@ def _method(reading: Reading, group: str, part, path: studyfile.Path):
     return None
 
 
-def surrogates_of(reading: Reading, designs: Mapping[str, Design],
-                  space: Space | None) -> dict[str, Surrogate]:
+def surrogates_of(
+    reading: Reading, designs: Mapping[str, Design], space: Space | None
+) -> dict[str, Surrogate]:
     """Unfitted estimators by name, each with the designs it learns from."""
     surrogates = {}
     for name, part in reading.part.surrogates.items():
@@ -145,21 +150,36 @@ def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | 
 def _check_training(reading, surrogate: Surrogate, designs, space: Space) -> None:
     path = ("surrogates", surrogate.name)
     for name in surrogate.train:
-        if name not in designs and not reading.is_broken("designs", name) \
-                and name not in reading.part.designs:
-            reading.wrong(f"learns from design '{name}', which the study has not; "
-                          f"{nearest(name, reading.part.designs)}", *path, "train")
+        if (
+            name not in designs
+            and not reading.is_broken("designs", name)
+            and name not in reading.part.designs
+        ):
+            reading.wrong(
+                f"learns from design '{name}', which the study has not; "
+                f"{nearest(name, reading.part.designs)}",
+                *path,
+                "train",
+            )
     if "test" in surrogate.train:
-        reading.wrong("design 'test' judges the surrogates and is never learnt from; give the "
-                      "design another name, or learn from others", *path, "train")
+        reading.wrong(
+            "design 'test' judges the surrogates and is never learnt from; give the "
+            "design another name, or learn from others",
+            *path,
+            "train",
+        )
     if space is None or any(name not in designs for name in surrogate.train):
         return
     points = np.unique(np.vstack([designs[name].coded for name in surrogate.train]), axis=0)
     needed = minimum_runs(surrogate.estimator, space)
     if len(points) < needed:
-        reading.wrong(f"{surrogate.method} has {needed} coefficients to find in {space.size} "
-                      f"parameters, but {', '.join(surrogate.train)} has {len(points)} different "
-                      "points; use a larger design or a smaller surrogate", *path, on_key=True)
+        reading.wrong(
+            f"{surrogate.method} has {needed} coefficients to find in {space.size} "
+            f"parameters, but {', '.join(surrogate.train)} has {len(points)} different "
+            "points; use a larger design or a smaller surrogate",
+            *path,
+            on_key=True,
+        )
 
 
 def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod | None:
@@ -171,35 +191,55 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
         return None
     names = ["best", *reading.part.surrogates]
     if not reading.part.surrogates and not any(p[0] == "surrogates" for p in reading.broken):
-        reading.wrong("sensitivity reads a surrogate, but the study has none; add surrogates:",
-                      "sensitivity", on_key=True)
+        reading.wrong(
+            "sensitivity reads a surrogate, but the study has none; add surrogates:",
+            "sensitivity",
+            on_key=True,
+        )
     elif part.surrogate not in names and not reading.is_broken("surrogates", part.surrogate):
-        reading.wrong(f"surrogate '{part.surrogate}' is unknown; {nearest(part.surrogate, names)}",
-                      "sensitivity", "surrogate")
+        reading.wrong(
+            f"surrogate '{part.surrogate}' is unknown; {nearest(part.surrogate, names)}",
+            "sensitivity",
+            "surrogate",
+        )
     with reading.noting("sensitivity", "method"):
         function = plugins.load(plugins.SENSITIVITY, part.method, reading.folder)
-        reading.options_wrong(plugins.option_mistakes(function, part.options,
-                                                      GIVEN_TO_SENSITIVITY), "sensitivity")
-        if space is not None and not space.independent \
-                and getattr(function, "needs_independent", False):
-            reading.wrong(f"method {part.method} needs independent parameters, but these are "
-                          "correlated; use method shapley, or drop correlation",
-                          "sensitivity", "method")
+        reading.options_wrong(
+            plugins.option_mistakes(function, part.options, GIVEN_TO_SENSITIVITY), "sensitivity"
+        )
+        if (
+            space is not None
+            and not space.independent
+            and getattr(function, "needs_independent", False)
+        ):
+            reading.wrong(
+                f"method {part.method} needs independent parameters, but these are "
+                "correlated; use method shapley, or drop correlation",
+                "sensitivity",
+                "method",
+            )
         if reading.part.screening is not None and part.method != "sobol":
-            reading.wrong("screening decides by the total indices of method sobol, not "
-                          f"{part.method}; change the method, or drop screening",
-                          "screening", on_key=True)
+            reading.wrong(
+                "screening decides by the total indices of method sobol, not "
+                f"{part.method}; change the method, or drop screening",
+                "screening",
+                on_key=True,
+            )
         _check_groups(reading, part.method, function)
-        return SensitivityMethod(part.method, function, part.options,
-                                 part.surrogate, part.confidence, part.groups)
+        return SensitivityMethod(
+            part.method, function, part.options, part.surrogate, part.confidence, part.groups
+        )
     return None
 
 
 def _check_groups(reading: Reading, name: str, function) -> None:
     groups, path = reading.part.sensitivity.groups, ("sensitivity", "groups")
     if groups and "groups" not in plugins.parameters_of(function):
-        reading.wrong(f"method {name} knows no groups; use method shapley or sobol, or drop them",
-                      *path, on_key=True)
+        reading.wrong(
+            f"method {name} knows no groups; use method shapley or sobol, or drop them",
+            *path,
+            on_key=True,
+        )
         return
     broken = [str(one[1]) for one in reading.broken if one[0] == "parameters" and len(one) > 1]
     for place, sentence in grouping.mistakes(groups, [*reading.part.parameters, *broken]):
@@ -210,5 +250,9 @@ def check_screening(reading: Reading, outputs: Iterable[str]) -> None:
     """Only outputs of the study can vote."""
     for index, name in enumerate(reading.part.screening.outputs if reading.part.screening else ()):
         if name not in outputs:
-            reading.wrong(f"the study has no output '{name}'; {nearest(name, outputs)}",
-                          "screening", "outputs", index)
+            reading.wrong(
+                f"the study has no output '{name}'; {nearest(name, outputs)}",
+                "screening",
+                "outputs",
+                index,
+            )

@@ -51,5 +51,4 @@ class Reading:
 def sentences(source: Source, mistakes: list[studyfile.Mistake]) -> list[str]:
     """Every mistake as `file:line:column: sentence`, in the order of the file, each once."""
     ordered = sorted(mistakes, key=lambda m: source.locate(m.path, key=m.on_key))
-    return list(dict.fromkeys(source.sentence(m.path, m.sentence, key=m.on_key)
-                              for m in ordered))
+    return list(dict.fromkeys(source.sentence(m.path, m.sentence, key=m.on_key) for m in ordered))

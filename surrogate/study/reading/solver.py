@@ -23,8 +23,9 @@ from surrogate.study.reading.notes import Reading
 GIVEN_TO_SOLVERS = ("self", "folder")
 
 
-def solver_of(reading: Reading, part: SolverPart | None = None,
-              path: tuple[str, ...] = ("solver",)) -> tuple[Recipe, Solver | None]:
+def solver_of(
+    reading: Reading, part: SolverPart | None = None, path: tuple[str, ...] = ("solver",)
+) -> tuple[Recipe, Solver | None]:
     """The study's solver, or that of `part`, built once here to learn its inputs and outputs."""
     part = reading.part.solver if part is None else part
     factory = SolverFactory(part.name, reading.folder)
@@ -53,16 +54,22 @@ def _built(recipe: Recipe, reading: Reading, path: tuple[str, ...]) -> Solver | 
         solver = plugins.call(f"solver '{recipe.name}' cannot be built", lambda: recipe.solver)
         if isinstance(solver, Solver):
             described = (("inputs", solver.inputs, Input), ("outputs", solver.outputs, Output))
-            mistakes = [f"'{recipe.name}' is not a solver: its {what} must map names to "
-                        f"surrogate.solver.{kind.__name__}" for what, given, kind in described
-                        if not isinstance(given, Mapping)
-                        or not all(isinstance(one, kind) for one in given.values())]
+            mistakes = [
+                f"'{recipe.name}' is not a solver: its {what} must map names to "
+                f"surrogate.solver.{kind.__name__}"
+                for what, given, kind in described
+                if not isinstance(given, Mapping)
+                or not all(isinstance(one, kind) for one in given.values())
+            ]
             for sentence in mistakes:
                 reading.wrong(sentence, *path, "name")
             return None if mistakes else solver
         lacking = [name for name in ("inputs", "outputs", "version") if not hasattr(solver, name)]
-        reading.wrong(f"'{recipe.name}' is not a solver: it has no "
-                      f"{', '.join(lacking) or '__call__'}", *path, "name")
+        reading.wrong(
+            f"'{recipe.name}' is not a solver: it has no {', '.join(lacking) or '__call__'}",
+            *path,
+            "name",
+        )
     return None
 
 
@@ -71,14 +78,21 @@ def space_of(reading: Reading, solver: Solver) -> Space | None:
     parameters = []
     for name, part in reading.part.parameters.items():
         if name not in solver.inputs:
-            reading.wrong(f"the solver has no input '{name}'; {nearest(name, solver.inputs)}",
-                          "parameters", name, on_key=True)
+            reading.wrong(
+                f"the solver has no input '{name}'; {nearest(name, solver.inputs)}",
+                "parameters",
+                name,
+                on_key=True,
+            )
             continue
         with reading.noting("parameters", name):
             parameters.append(_parameter(name, part, solver.inputs[name]))
     declared = len(reading.part.parameters)
-    if not declared and not reading.is_broken("parameters") and \
-            not any(path[0] == "parameters" for path in reading.broken):
+    if (
+        not declared
+        and not reading.is_broken("parameters")
+        and not any(path[0] == "parameters" for path in reading.broken)
+    ):
         reading.wrong("name at least one parameter that varies", "parameters")
     if len(parameters) < declared or not parameters:
         return None
@@ -94,20 +108,35 @@ def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
     convert = units.conversion(unit, taken.unit)
     kind = part.distribution or "uniform"
     accepted = [*distributions.words_of(kind)[0], *ParameterPart.model_fields]
-    mistakes = [f"key '{word}' is unknown here; {nearest(word, accepted)}"
-                for word in part.options if word not in accepted]
-    mistakes += [f"{word} {value!r}: must be a number" for word, value in part.options.items()
-                 if word in accepted and (isinstance(value, bool)
-                                          or not isinstance(value, int | float))]
+    mistakes = [
+        f"key '{word}' is unknown here; {nearest(word, accepted)}"
+        for word in part.options
+        if word not in accepted
+    ]
+    mistakes += [
+        f"{word} {value!r}: must be a number"
+        for word, value in part.options.items()
+        if word in accepted and (isinstance(value, bool) or not isinstance(value, int | float))
+    ]
     if part.range is None and part.distribution is None and not mistakes:
         mistakes.append("give a range [smallest, largest] or a distribution")
     if mistakes:
         raise StudyError(*mistakes)
-    words = {word: (convert.place if word in distributions.LOCATION_WORDS else
-                    convert.distance if word in distributions.SCALE_WORDS else float)(value)
-             for word, value in part.options.items()}
-    limits = distributions.UNBOUNDED if part.range is None else \
-        tuple(convert.place(value) for value in part.range)
+    words = {
+        word: (
+            convert.place
+            if word in distributions.LOCATION_WORDS
+            else convert.distance
+            if word in distributions.SCALE_WORDS
+            else float
+        )(value)
+        for word, value in part.options.items()
+    }
+    limits = (
+        distributions.UNBOUNDED
+        if part.range is None
+        else tuple(convert.place(value) for value in part.range)
+    )
     law = distributions.distribution(kind, range=limits, **words)
     _check_accepted(law.support, taken)
     return Parameter(name, law, unit=taken.unit, description=taken.description)
@@ -116,30 +145,40 @@ def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
 def _check_accepted(support: tuple[float, float], taken: Input) -> None:
     """Refuse a support that reaches beyond what the solver accepts."""
     unit = f" {taken.unit}".rstrip()
-    ends = (("smallest", "below", support[0], taken.range[0], support[0] < taken.range[0]),
-            ("largest", "above", support[1], taken.range[1], support[1] > taken.range[1]))
+    ends = (
+        ("smallest", "below", support[0], taken.range[0], support[0] < taken.range[0]),
+        ("largest", "above", support[1], taken.range[1], support[1] > taken.range[1]),
+    )
     over = [end[:4] for end in ends if end[4]]
     if not all(np.isfinite(value) for _, _, value, _ in over):
-        raise StudyError("this distribution goes beyond what the solver accepts "
-                         f"({taken.range[0]:g} to {taken.range[1]:g}{unit}); "
-                         "add range: [.., ..] to cut it off")
+        raise StudyError(
+            "this distribution goes beyond what the solver accepts "
+            f"({taken.range[0]:g} to {taken.range[1]:g}{unit}); "
+            "add range: [.., ..] to cut it off"
+        )
     if over:
-        raise StudyError(*(
-            f"{value:g}{unit} is {side} the {word} value that the solver accepts "
-            f"({limit:g}{unit}); check the value and its unit"
-            for word, side, value, limit in dict.fromkeys(over)))
+        raise StudyError(
+            *(
+                f"{value:g}{unit} is {side} the {word} value that the solver accepts "
+                f"({limit:g}{unit}); check the value and its unit"
+                for word, side, value, limit in dict.fromkeys(over)
+            )
+        )
 
 
 def _categorical(name: str, part: ParameterPart, taken: Input) -> Parameter:
     if not taken.levels:
-        raise StudyError(f"levels are for named choices, but the solver takes a number "
-                         f"({taken.unit or 'no unit'}) here; give a range")
+        raise StudyError(
+            f"levels are for named choices, but the solver takes a number "
+            f"({taken.unit or 'no unit'}) here; give a range"
+        )
     if not part.levels:
         raise StudyError(f"the solver takes names here; give levels: [{', '.join(taken.levels)}]")
     unknown = [level for level in part.levels if level not in taken.levels]
     if unknown:
-        raise StudyError(*(f"level '{level}' is unknown; {nearest(level, taken.levels)}"
-                           for level in unknown))
+        raise StudyError(
+            *(f"level '{level}' is unknown; {nearest(level, taken.levels)}" for level in unknown)
+        )
     return Parameter(name, levels=part.levels, description=taken.description)
 
 
@@ -150,8 +189,11 @@ def _correlation(reading: Reading, names: list[str]):
     for index, (first, second, value) in enumerate(reading.part.correlation):
         unknown = [name for name in (first, second) if name not in names]
         for name in unknown:
-            reading.wrong(f"'{name}' is not a parameter of this study; {nearest(name, names)}",
-                          "correlation", index)
+            reading.wrong(
+                f"'{name}' is not a parameter of this study; {nearest(name, names)}",
+                "correlation",
+                index,
+            )
         if not unknown:
             i, j = names.index(first), names.index(second)
             matrix[i, j] = matrix[j, i] = value
@@ -163,28 +205,44 @@ def constants_of(reading: Reading, solver: Solver) -> dict[str, float | str]:
     constants = {}
     for name, part in reading.part.constants.items():
         if name not in solver.inputs:
-            reading.wrong(f"the solver has no input '{name}'; {nearest(name, solver.inputs)}",
-                          "constants", name, on_key=True)
+            reading.wrong(
+                f"the solver has no input '{name}'; {nearest(name, solver.inputs)}",
+                "constants",
+                name,
+                on_key=True,
+            )
         elif name in reading.part.parameters:
-            reading.wrong(f"'{name}' is also a parameter; it either varies or is fixed",
-                          "constants", name, on_key=True)
+            reading.wrong(
+                f"'{name}' is also a parameter; it either varies or is fixed",
+                "constants",
+                name,
+                on_key=True,
+            )
         else:
             with reading.noting("constants", name):
                 constants[name] = _constant(part, solver.inputs[name])
-    given = {*reading.part.parameters, *reading.part.constants,
-             *(path[1] for path in reading.broken if len(path) > 1)}
+    given = {
+        *reading.part.parameters,
+        *reading.part.constants,
+        *(path[1] for path in reading.broken if len(path) > 1),
+    }
     for name, taken in solver.inputs.items():
         if taken.nominal is None and name not in given:
-            reading.wrong(f"the solver needs '{name}' and has no nominal value for it; "
-                          "add it to parameters or constants", "constants", on_key=True)
+            reading.wrong(
+                f"the solver needs '{name}' and has no nominal value for it; "
+                "add it to parameters or constants",
+                "constants",
+                on_key=True,
+            )
     return constants
 
 
 def _constant(part: studyfile.ConstantPart, taken: Input) -> float | str:
     if taken.levels:
         if part.value not in taken.levels:
-            raise StudyError(f"level '{part.value}' is unknown; "
-                             f"{nearest(str(part.value), taken.levels)}")
+            raise StudyError(
+                f"level '{part.value}' is unknown; {nearest(str(part.value), taken.levels)}"
+            )
         return part.value
     unit = taken.unit if part.unit is None else part.unit
     number = units.quantity(part.value, unit) if isinstance(part.value, str) else part.value
@@ -198,8 +256,11 @@ def outputs_of(reading: Reading, solver: Solver, space: Space | None) -> tuple[s
     names = reading.part.outputs or tuple(solver.outputs)
     for index, name in enumerate(names):
         if name not in solver.outputs:
-            reading.wrong(f"the solver has no output '{name}'; {nearest(name, solver.outputs)}",
-                          "outputs", index)
+            reading.wrong(
+                f"the solver has no output '{name}'; {nearest(name, solver.outputs)}",
+                "outputs",
+                index,
+            )
     kept = {name: solver.outputs[name] for name in names if name in solver.outputs}
     if space is not None:
         for sentence in runs.name_mistakes(space, kept):

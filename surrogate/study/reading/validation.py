@@ -25,12 +25,19 @@ def cases_at(path: Path, name: str, study_at: ReadStudy) -> Cases | Any:
         return readers[path.suffix](path, name)
     if path.suffix in (".yaml", ".yml"):
         return study_at(path)
-    raise StudyError(f"cases '{name}': must be a CSV file (.csv), a dataset of runs (.nc) or a "
-                     "study (.yaml)")
+    raise StudyError(
+        f"cases '{name}': must be a CSV file (.csv), a dataset of runs (.nc) or a study (.yaml)"
+    )
 
 
-def validation_of(reading: Reading, solver: Solver, space: Space | None, kept: Iterable[str],
-                  constants: Mapping[str, Any], study_at: ReadStudy) -> Validation | None:
+def validation_of(
+    reading: Reading,
+    solver: Solver,
+    space: Space | None,
+    kept: Iterable[str],
+    constants: Mapping[str, Any],
+    study_at: ReadStudy,
+) -> Validation | None:
     """Cases and models; whatever would keep them from being compared is a mistake.
 
     kept: the study's outputs. study_at: reads another study, whose runs are the cases.
@@ -49,29 +56,40 @@ def validation_of(reading: Reading, solver: Solver, space: Space | None, kept: I
         else:
             reference = found
             if reference.name == reading.part.study:
-                raise StudyError(f"study '{reference.name}' has the name of this one, so both "
-                                 "would write to one folder; rename one")
+                raise StudyError(
+                    f"study '{reference.name}' has the name of this one, so both "
+                    "would write to one folder; rename one"
+                )
         columns = header_of(reference, part.cases) if cases is None else cases
         if space is not None:
             check_cases(columns, space, offered, outputs)
             chosen = outputs_in(columns, offered, outputs)
-            _check_models(reading, models, columns, chosen,
-                          fixed_inputs(solver, space, constants))
+            _check_models(reading, models, columns, chosen, fixed_inputs(solver, space, constants))
         if part.subject is not None and part.subject not in columns.columns:
-            reading.wrong(f"the cases have no column '{part.subject}'; "
-                          f"{nearest(part.subject, columns.columns)}", "validation", "subject")
+            reading.wrong(
+                f"the cases have no column '{part.subject}'; "
+                f"{nearest(part.subject, columns.columns)}",
+                "validation",
+                "subject",
+            )
     return Validation(cases, reference, outputs, part.subject, models)
 
 
 def header_of(reference: Any, name: str) -> Cases:
     """Which columns the runs of another study will have."""
     solver = reference.recipe.solver
-    return header({**solver.inputs, **{o: solver.outputs[o] for o in reference.outputs
-                                       if not solver.outputs[o].dims}}, name)
+    return header(
+        {
+            **solver.inputs,
+            **{o: solver.outputs[o] for o in reference.outputs if not solver.outputs[o].dims},
+        },
+        name,
+    )
 
 
-def check_cases(cases: Cases, space: Space, offered: Mapping[str, Output],
-                wanted: Iterable[str]) -> None:
+def check_cases(
+    cases: Cases, space: Space, offered: Mapping[str, Output], wanted: Iterable[str]
+) -> None:
     """Raise `StudyError` with all that keeps these cases from being compared.
 
     offered: the study's outputs. wanted: those to compare, none for all that the cases have.
@@ -81,10 +99,15 @@ def check_cases(cases: Cases, space: Space, offered: Mapping[str, Output],
     chosen = [name for name in outputs_in(cases, offered, wanted) if name in cases.columns]
     if not chosen and not wanted:
         scalar = [name for name, output in offered.items() if not output.dims]
-        mistakes.append(f"cases '{cases.name}' have no column for any scalar output of the study: "
-                        f"{', '.join(scalar) or 'it has none'}")
-    columns = [(p.name, p.unit, False) for p in space.parameters
-               if p.name in cases.columns and not p.categorical]
+        mistakes.append(
+            f"cases '{cases.name}' have no column for any scalar output of the study: "
+            f"{', '.join(scalar) or 'it has none'}"
+        )
+    columns = [
+        (p.name, p.unit, False)
+        for p in space.parameters
+        if p.name in cases.columns and not p.categorical
+    ]
     for name, unit, gaps in [*columns, *((name, offered[name].unit, True) for name in chosen)]:
         try:
             cases.numbers(name, unit, gaps)
@@ -112,8 +135,9 @@ def _models(reading: Reading) -> dict[str, Recipe]:
     for name, part in reading.part.validation.models.items():
         path = ("validation", "models", name)
         if name in reading.part.surrogates:
-            reading.wrong(f"'{name}' is also a surrogate; give the model another name", *path,
-                          on_key=True)
+            reading.wrong(
+                f"'{name}' is also a surrogate; give the model another name", *path, on_key=True
+            )
         before = len(reading.mistakes)
         recipe, built = solver_of(reading, part, path)
         if built is not None and len(reading.mistakes) == before:
@@ -121,18 +145,28 @@ def _models(reading: Reading) -> dict[str, Recipe]:
     return models
 
 
-def _check_models(reading: Reading, models: Mapping[str, Recipe], cases: Cases,
-                  outputs: tuple[str, ...], fixed: Mapping[str, Any]) -> None:
+def _check_models(
+    reading: Reading,
+    models: Mapping[str, Recipe],
+    cases: Cases,
+    outputs: tuple[str, ...],
+    fixed: Mapping[str, Any],
+) -> None:
     for name, recipe in models.items():
         path, solver = ("validation", "models", name), recipe.solver
         if not set(outputs) & set(solver.outputs):
-            reading.wrong(f"{recipe.name} has no output {' or '.join(outputs)}; it has "
-                          f"{', '.join(solver.outputs)}", *path)
+            reading.wrong(
+                f"{recipe.name} has no output {' or '.join(outputs)}; it has "
+                f"{', '.join(solver.outputs)}",
+                *path,
+            )
         with reading.noting(*path):
             cases.inputs(solver.inputs)
             given = {*cases.columns, *constants_for(recipe, fixed, cases.columns)}
-            missing = [f"{recipe.name} needs '{one}', which the cases do not have"
-                       for one, taken in solver.inputs.items()
-                       if taken.nominal is None and one not in given]
+            missing = [
+                f"{recipe.name} needs '{one}', which the cases do not have"
+                for one, taken in solver.inputs.items()
+                if taken.nominal is None and one not in given
+            ]
             if missing:
                 raise StudyError(*missing)

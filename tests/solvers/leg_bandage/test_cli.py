@@ -41,7 +41,8 @@ def test_fit_scan_for_scripts(command, scan):
     assert all(told["in_range"].values()) and told["error"]["percentile_95"] < 0.1
     marks = told["landmarks"]["fitted"]
     assert marks["b1_girth"]["girth"] == pytest.approx(
-        0.8 * marks["ankle"]["girth"] + 0.2 * marks["calf"]["girth"], abs=0.1)
+        0.8 * marks["ankle"]["girth"] + 0.2 * marks["calf"]["girth"], abs=0.1
+    )
 
 
 def test_leg_outside_the_range_says_so(command, tmp_path):
@@ -73,9 +74,11 @@ def folder(tmp_path):
     where, cohort = tmp_path / "scans", load_cohort("train")
     where.mkdir()
     for leg in range(6):
-        mesh = virtual.leg_mesh(Leg.from_sections(
-            cohort.length[leg], cohort.coefficients[leg], cohort.centre[leg]), levels=100,
-            around=90)
+        mesh = virtual.leg_mesh(
+            Leg.from_sections(cohort.length[leg], cohort.coefficients[leg], cohort.centre[leg]),
+            levels=100,
+            around=90,
+        )
         virtual.save(where / f"leg{leg}.ply", *mesh)
     (where / "broken.stl").write_bytes(b"")
     (where / "notes.txt").write_text("not a scan")
@@ -85,58 +88,76 @@ def folder(tmp_path):
 def test_build_cohort_and_use_it(command, folder, tmp_path):
     """Six legs make a basis; what it loses is what the sections of these legs lose: 0.05 mm."""
     out, page = tmp_path / "mine.npz", tmp_path / "mine.html"
-    status, text, err = command("build-cohort", folder, "--out", out, *KNOWN, "--html", page,
-                                "--json")
+    status, text, err = command(
+        "build-cohort", folder, "--out", out, *KNOWN, "--html", page, "--json"
+    )
     told = json.loads(text)
     assert status == 0 and len(told["legs"]) == 6 and "leg3.ply" in err
     assert told["skipped"] == {"broken.stl": "the file is empty; export the scan again"}
     cohort = load_cohort("train")
-    np.testing.assert_allclose([leg["length"] for leg in told["legs"]], cohort.length[:6],
-                               atol=0.15)
+    np.testing.assert_allclose(
+        [leg["length"] for leg in told["legs"]], cohort.length[:6], atol=0.15
+    )
     shipped = type(cohort)(cohort.coefficients[:6], cohort.centre[:6], cohort.length[:6], {})
-    np.testing.assert_allclose([loss["percentile_95"] for loss in told["losses"]],
-                               [loss.percentile_95 for loss in losses(shipped)], atol=0.05)
+    np.testing.assert_allclose(
+        [loss["percentile_95"] for loss in told["losses"]],
+        [loss.percentile_95 for loss in losses(shipped)],
+        atol=0.05,
+    )
     assert "Figure 1" in page.read_text(encoding="utf-8")
-    status, text, _ = command("fit-scan", folder / "leg2.ply", *KNOWN, "--cohort", out,
-                              "--modes", 5, "--json")
+    status, text, _ = command(
+        "fit-scan", folder / "leg2.ply", *KNOWN, "--cohort", out, "--modes", 5, "--json"
+    )
     told = json.loads(text)
     assert len(told["alphas"]) == 5 and all(told["in_range"].values())
-    assert told["ranges"]["length"] == pytest.approx([cohort.length[:6].min(),
-                                                      cohort.length[:6].max()], abs=0.15)
+    assert told["ranges"]["length"] == pytest.approx(
+        [cohort.length[:6].min(), cohort.length[:6].max()], abs=0.15
+    )
 
 
 def test_losses_of_the_shipped_legs():
     """README.md prints them: 9.98, 7.60, 3.21, 2.46 mm; a leg left out loses more."""
     found = losses(load_cohort("train"))
     assert [loss.percentile_95 for loss in found[:4]] == pytest.approx(
-        [9.98, 7.60, 3.21, 2.46], abs=0.005)
+        [9.98, 7.60, 3.21, 2.46], abs=0.005
+    )
     assert all(loss.left_out_95 > loss.percentile_95 for loss in found)
 
 
 def test_left_out_loss_is_that_of_a_basis_without_the_leg():
     """Three legs, one mode: against the definition, leg by leg."""
     whole = load_cohort("train")
-    legs = [type(whole)(whole.coefficients[[k]], whole.centre[[k]], whole.length[[k]], {})
-            for k in range(3)]
+    legs = [
+        type(whole)(whole.coefficients[[k]], whole.centre[[k]], whole.length[[k]], {})
+        for k in range(3)
+    ]
     three = type(whole)(whole.coefficients[:3], whole.centre[:3], whole.length[:3], {})
-    away = [reconstruction_errors(fit_basis(np.delete(three.snapshots(), k, axis=1), 1), leg)[1]
-            for k, leg in enumerate(legs)]
+    away = [
+        reconstruction_errors(fit_basis(np.delete(three.snapshots(), k, axis=1), 1), leg)[1]
+        for k, leg in enumerate(legs)
+    ]
     assert losses(three)[0].left_out_95 == pytest.approx(np.percentile(away, 95))
 
 
-@pytest.mark.parametrize("words, sentence", [
-    (("fit-scan", "nowhere.stl"), "there is no such file"),
-    (("build-cohort", "nowhere"), "there is no such folder"),
-    (("fit-scan", "SCAN", "--cohort", "nowhere.npz"), "nowhere.npz: there is no such file"),
-    (("fit-scan", "SCAN", "--cohort", "SCAN"), "is not a cohort; make one"),
-    # Where results go is looked at before anything that takes its time.
-    (("fit-scan", "nowhere.stl", "--html", "no/where/page.html"), "cannot be written"),
-    (("build-cohort", "nowhere", "--html", "no/where/page.html"), "cannot be written"),
-    (("build-cohort", "nowhere", "--out", "no/where/legs.npz"), "cannot be written"),
-    (("predict", "nowhere.stl", "--tension", "0.1", "--html", "no/page.html"), "cannot be written"),
-    (("fit-scan",), "Missing argument"),
-    (("fit-scan", "SCAN", "--modes", "0"), "Invalid value for '--modes'"),
-])
+@pytest.mark.parametrize(
+    "words, sentence",
+    [
+        (("fit-scan", "nowhere.stl"), "there is no such file"),
+        (("build-cohort", "nowhere"), "there is no such folder"),
+        (("fit-scan", "SCAN", "--cohort", "nowhere.npz"), "nowhere.npz: there is no such file"),
+        (("fit-scan", "SCAN", "--cohort", "SCAN"), "is not a cohort; make one"),
+        # Where results go is looked at before anything that takes its time.
+        (("fit-scan", "nowhere.stl", "--html", "no/where/page.html"), "cannot be written"),
+        (("build-cohort", "nowhere", "--html", "no/where/page.html"), "cannot be written"),
+        (("build-cohort", "nowhere", "--out", "no/where/legs.npz"), "cannot be written"),
+        (
+            ("predict", "nowhere.stl", "--tension", "0.1", "--html", "no/page.html"),
+            "cannot be written",
+        ),
+        (("fit-scan",), "Missing argument"),
+        (("fit-scan", "SCAN", "--modes", "0"), "Invalid value for '--modes'"),
+    ],
+)
 def test_mistakes_end_in_a_sentence_and_status_2(command, scan, words, sentence):
     status, out, err = command(*(scan if word == "SCAN" else word for word in words))
     assert status == 2 and sentence in err and "Traceback" not in out + err

@@ -133,8 +133,13 @@ def test_a_leg_with_sections_of_its_own(result):
 def test_a_cohort_of_ones_own(tmp_path):
     """Nominal lengths and alphas are the cohort's means, and the leg is made on its basis."""
     whole = load_cohort("val")
-    few = replace(whole, coefficients=whole.coefficients[:9], centre=whole.centre[:9],
-                  length=whole.length[:9], facts={})
+    few = replace(
+        whole,
+        coefficients=whole.coefficients[:9],
+        centre=whole.centre[:9],
+        length=whole.length[:9],
+        facts={},
+    )
     write_cohort(tmp_path / "mine.npz", few)
     solver = LegBandage(cohort="mine.npz", folder=tmp_path)
     basis = fit_basis(few.snapshots(), 4)
@@ -146,8 +151,12 @@ def test_a_cohort_of_ones_own(tmp_path):
         assert "9 legs in mine.npz" in given.source
     assert np.array_equal(solver.basis.modes, basis.modes)
     assert solver.inputs["tension"] == INPUTS["tension"]
-    write_cohort(tmp_path / "two.npz", replace(few, coefficients=few.coefficients[:2],
-                                               centre=few.centre[:2], length=few.length[:2]))
+    write_cohort(
+        tmp_path / "two.npz",
+        replace(
+            few, coefficients=few.coefficients[:2], centre=few.centre[:2], length=few.length[:2]
+        ),
+    )
     with pytest.raises(StudyError, match="two.npz holds 2 legs; 4 modes need at least 5"):
         shapes_in("two.npz", tmp_path)
 
@@ -162,14 +171,26 @@ def test_identity_of_runs(tmp_path):
     cohort = load_cohort("val")
     for name in ("a.npz", "b.npz"):
         write_cohort(tmp_path / name, replace(cohort, facts={}))
-    same = {_key(), _key(mesh="medium"), _key(linear_solver="superlu"),
-            _key({"wrapping": "prescribed", "sensor_up": 0.0})}
+    same = {
+        _key(),
+        _key(mesh="medium"),
+        _key(linear_solver="superlu"),
+        _key({"wrapping": "prescribed", "sensor_up": 0.0}),
+    }
     assert len(same) == 1
     assert _key(cohort=str(tmp_path / "a.npz")) == _key(cohort=str(tmp_path / "b.npz"))
-    others = [_key(mesh="coarse"), _key(end="held"), _key(b1_rule="profile"),
-              _key(leg_ends="pinned"), _key(cohort=str(tmp_path / "a.npz")),
-              _key({"wrapping": "progressive"}), _key({"tension_law": "curved"}),
-              _key({"sensor_up": 5.0}), _key({"start_height": 0.0}), _key(fabric="biflex_16")]
+    others = [
+        _key(mesh="coarse"),
+        _key(end="held"),
+        _key(b1_rule="profile"),
+        _key(leg_ends="pinned"),
+        _key(cohort=str(tmp_path / "a.npz")),
+        _key({"wrapping": "progressive"}),
+        _key({"tension_law": "curved"}),
+        _key({"sensor_up": 5.0}),
+        _key({"start_height": 0.0}),
+        _key(fabric="biflex_16"),
+    ]
     assert len({*same, *others}) == 1 + len(others)
     tension = LegBandage(fabric="biflex_16").inputs["tension"].nominal
     assert _key(fabric="biflex_16") == _key({"tension": tension})
@@ -178,8 +199,16 @@ def test_identity_of_runs(tmp_path):
 @pytest.mark.parametrize("name", ["leg_bandage", "leg_bandage_patient"])
 def test_a_study_may_ask_for_all_outputs(name):
     """No output has a name that the runs dataset needs for itself."""
-    parameter = {"leg_bandage": {"overlap": [0.45, 0.55]},
-                 "leg_bandage_patient": {"stretch": [1.2, 1.3]}}[name]
-    study = Study.from_mapping({"study": "all", "solver": name, "parameters": parameter,
-                                "designs": {"train": {"method": "sobol", "runs": 2}}})
+    parameter = {
+        "leg_bandage": {"overlap": [0.45, 0.55]},
+        "leg_bandage_patient": {"stretch": [1.2, 1.3]},
+    }[name]
+    study = Study.from_mapping(
+        {
+            "study": "all",
+            "solver": name,
+            "parameters": parameter,
+            "designs": {"train": {"method": "sobol", "runs": 2}},
+        }
+    )
     assert {"pressure_b1", "pressure_field", "slip_max"} <= set(study.outputs)

@@ -16,15 +16,21 @@ from surrogate_solvers.leg_bandage.plugin import LegBandage
 
 
 def leg_of(cohort, number):
-    return Leg.from_sections(cohort.length[number - 1], cohort.coefficients[number - 1],
-                             cohort.centre[number - 1])
+    return Leg.from_sections(
+        cohort.length[number - 1], cohort.coefficients[number - 1], cohort.centre[number - 1]
+    )
 
 
 def few_legs(path, number=6):
     """A file with the first of the validation legs."""
     legs = load_cohort("val")
-    few = replace(legs, coefficients=legs.coefficients[:number], centre=legs.centre[:number],
-                  length=legs.length[:number], facts={})
+    few = replace(
+        legs,
+        coefficients=legs.coefficients[:number],
+        centre=legs.centre[:number],
+        length=legs.length[:number],
+        facts={},
+    )
     write_cohort(path, few)
     return few
 

@@ -11,12 +11,15 @@ from surrogate.errors import ResultsError, SolverError
 from surrogate.solver import Input, Output
 from surrogate.study.study import Study
 
-STUDY = {"study": "kept", "solver": "borehole",
-         "parameters": {"rw": [0.05, 0.15], "L": [1120, 1680]},
-         "designs": {"train": {"method": "latin_hypercube", "runs": 12, "seed": 1}},
-         "surrogates": {"linear": "linear", "forest": "sklearn.ensemble:RandomForestRegressor"},
-         "sensitivity": {"method": "sobol", "surrogate": "linear"},
-         "screening": {"freeze_below": 0.2}}
+STUDY = {
+    "study": "kept",
+    "solver": "borehole",
+    "parameters": {"rw": [0.05, 0.15], "L": [1120, 1680]},
+    "designs": {"train": {"method": "latin_hypercube", "runs": 12, "seed": 1}},
+    "surrogates": {"linear": "linear", "forest": "sklearn.ensemble:RandomForestRegressor"},
+    "sensitivity": {"method": "sobol", "surrogate": "linear"},
+    "screening": {"freeze_below": 0.2},
+}
 FIRST = {"report.html", "runs.nc", "comparison.nc", "summary.json", "study.yaml", "journal"}
 
 
@@ -43,16 +46,21 @@ def run(study, folder):
 
 
 def without(*words, **changes):
-    return Study.from_mapping({**{word: part for word, part in STUDY.items()
-                                  if word not in words}, **changes})
+    return Study.from_mapping(
+        {**{word: part for word, part in STUDY.items() if word not in words}, **changes}
+    )
 
 
 def test_files_of_an_earlier_form_of_the_study_go(tmp_path):
     """Indices, tables and surrogates that the study no longer asks for are not left behind."""
     done = run(Study.from_mapping(STUDY), tmp_path)
     assert done.summary["screening"]["freeze"] == ["L"]
-    assert set(os.listdir(tmp_path)) == FIRST | {"regression.nc", "sensitivity.nc", "surrogates",
-                                                 "study_reduced.yaml"}
+    assert set(os.listdir(tmp_path)) == FIRST | {
+        "regression.nc",
+        "sensitivity.nc",
+        "surrogates",
+        "study_reduced.yaml",
+    }
     assert os.listdir(tmp_path / "surrogates") == ["linear.json"]
     run(without("sensitivity", "screening", surrogates={"gp": "gaussian_process"}), tmp_path)
     assert set(os.listdir(tmp_path)) == FIRST | {"surrogates"}
@@ -84,8 +92,13 @@ def test_cases_beside_nothing(tmp_path):
         results.validate(study, tmp_path / "kept", cases)
 
 
-@pytest.mark.parametrize("method, words", [
-    ("dgsm", "surrogate forest has no derivative"), ("test_results:broken", "'flow': .*not today")])
+@pytest.mark.parametrize(
+    "method, words",
+    [
+        ("dgsm", "surrogate forest has no derivative"),
+        ("test_results:broken", "'flow': .*not today"),
+    ],
+)
 def test_a_report_without_the_indices_that_could_not_be_had(tmp_path, method, words):
     """A method that does not suit the surrogate, or fails, costs its own section only."""
     study = without("screening", sensitivity={"method": method, "surrogate": "forest"})

@@ -19,10 +19,13 @@ from surrogate.errors import DesignError, PluginError, SolverError
 from surrogate.solver import Input, Output
 
 #: What a plug-in needs in order to be built, by entry-point name.
-SOLVER_OPTIONS = {"command": {
-    "command": [sys.executable, "-c", "print('y =', {{ x }} ** 2)"],
-    "inputs": {"x": {"unit": "mm", "nominal": 1.0, "range": [-2, 2]}},
-    "outputs": {"y": {"unit": "mm^2", "regex": r"y = (\S+)"}}}}
+SOLVER_OPTIONS = {
+    "command": {
+        "command": [sys.executable, "-c", "print('y =', {{ x }} ** 2)"],
+        "inputs": {"x": {"unit": "mm", "nominal": 1.0, "range": [-2, 2]}},
+        "outputs": {"y": {"unit": "mm^2", "regex": r"y = (\S+)"}},
+    }
+}
 #: Solvers whose runs are too long for every test run; their own tests run them.
 SLOW = {"leg_bandage", "leg_bandage_patient"}
 DESIGN_OPTIONS = {"fractional_factorial": {"resolution": 3}}
@@ -30,15 +33,19 @@ DESIGN_OPTIONS = {"fractional_factorial": {"resolution": 3}}
 
 def plugins(group):
     """All entry points of a group, third-party ones included."""
-    return [pytest.param(point, id=point.name) for point in
-            sorted(entry_points(group=group), key=lambda point: point.name)]
+    return [
+        pytest.param(point, id=point.name)
+        for point in sorted(entry_points(group=group), key=lambda point: point.name)
+    ]
 
 
 def needed(found, options):
     """Names of constructor arguments without a default that `options` does not give."""
-    return [p.name for p in inspect.signature(found).parameters.values()
-            if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD
-            and p.name not in options]
+    return [
+        p.name
+        for p in inspect.signature(found).parameters.values()
+        if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD and p.name not in options
+    ]
 
 
 @pytest.mark.parametrize("point", plugins("surrogate.solvers"))
@@ -83,10 +90,14 @@ class Spring:
     """Elongation of a spring."""
 
     version = "1"
-    inputs = {"force": Input(unit="N", nominal=1.0, range=(0.0, 10.0)),
-              "kind": Input(levels=("steel", "rubber"), nominal="steel")}
-    outputs = {"length": Output(unit="mm"),
-               "curve": Output(unit="N", dims=("x",), coordinates={"x": np.arange(3.0)})}
+    inputs = {
+        "force": Input(unit="N", nominal=1.0, range=(0.0, 10.0)),
+        "kind": Input(levels=("steel", "rubber"), nominal="steel"),
+    }
+    outputs = {
+        "length": Output(unit="mm"),
+        "curve": Output(unit="N", dims=("x",), coordinates={"x": np.arange(3.0)}),
+    }
 
     def __call__(self, force, kind):
         if force > 9.9:
@@ -108,6 +119,7 @@ def answering(change):
     def call(self, force, kind):
         answer = Spring()(force, kind)
         return change(answer, force, kind)
+
     return call
 
 
@@ -127,39 +139,66 @@ def silent(answer, force, kind):
     return answer
 
 
-@pytest.mark.parametrize("attributes, said", [
-    ({"__doc__": ""}, "has no docstring"),
-    ({"version": None}, "has no `version`; give a text"),
-    ({"inputs": None}, "has no `inputs`"),
-    ({"outputs": {}}, "has no `outputs`"),
-    ({"inputs": {"force": 3}}, "inputs\\['force'\\] is a int; make it a Input"),
-    ({"inputs": {"the force": Input()}}, "a name has letters"),
-    ({"inputs": {"force": Input(unit="Nn")}}, "pint does not know the unit 'Nn'"),
-    ({"inputs": {"force": Input(range=(2.0, 1.0))}}, "upside down"),
-    ({"inputs": {"force": Input(nominal=3.0, range=(0, 1))}}, "nominal 3.0 lies outside"),
-    ({"inputs": {"kind": Input(nominal="steal", levels=("steel", "b"))}}, "did you mean 'steel'"),
-    ({"outputs": {"a": Output(unit="??")}}, "does not know the unit"),
-    ({"outputs": {"a": Output(dims=("x",))}}, "give coordinate values for each dimension"),
-    ({"outputs": {"a": Output(dims=("x",), coordinates={"x": np.zeros(2)})}}, "different values"),
-    ({"outputs": {"force": Output()}}, "'force' is both an input and an output"),
-    ({"outputs": {"a": Output(dims=("kind",), coordinates={"kind": np.arange(2.0)})}},
-     "dimension 'kind' is also an input"),
-    ({"outputs": {n: Output(dims=("x",), coordinates={"x": np.arange(float(i + 1))})
-                  for i, n in enumerate("ab")}}, "other coordinates than in another output"),
-    ({"__call__": answering(lambda a, f, k: [1.0])}, "returned a list; return a mapping"),
-    ({"__call__": answering(lambda a, f, k: {"length": 1.0})}, "return exactly these"),
-    ({"__call__": answering(lambda a, f, k: {**a, "more": 1.0})}, "return exactly these"),
-    ({"__call__": answering(lambda a, f, k: {**a, "length": "long"})}, "is 'long'; return a float"),
-    ({"__call__": answering(lambda a, f, k: {**a, "curve": np.zeros(2)})},
-     r"has shape \(2,\); its dims \['x'\] say \(3,\)"),
-    ({"__call__": answering(lambda a, f, k: {**a, "length": np.nan})},
-     "not finite; raise SolverError with a sentence"),
-    ({"__call__": answering(unstable)}, "two calls with the same inputs differ"),
-    ({"__call__": answering(complain)}, "raised ValueError: boom; raise SolverError with a"),
-    ({"__call__": answering(silent)}, "raised SolverError without a message"),
-    ({"inputs": {"force": Input(nominal=9.95), "kind": Spring.inputs["kind"]}},
-     "the nominal point raised SolverError: the spring broke; choose nominal values"),
-])
+@pytest.mark.parametrize(
+    "attributes, said",
+    [
+        ({"__doc__": ""}, "has no docstring"),
+        ({"version": None}, "has no `version`; give a text"),
+        ({"inputs": None}, "has no `inputs`"),
+        ({"outputs": {}}, "has no `outputs`"),
+        ({"inputs": {"force": 3}}, "inputs\\['force'\\] is a int; make it a Input"),
+        ({"inputs": {"the force": Input()}}, "a name has letters"),
+        ({"inputs": {"force": Input(unit="Nn")}}, "pint does not know the unit 'Nn'"),
+        ({"inputs": {"force": Input(range=(2.0, 1.0))}}, "upside down"),
+        ({"inputs": {"force": Input(nominal=3.0, range=(0, 1))}}, "nominal 3.0 lies outside"),
+        (
+            {"inputs": {"kind": Input(nominal="steal", levels=("steel", "b"))}},
+            "did you mean 'steel'",
+        ),
+        ({"outputs": {"a": Output(unit="??")}}, "does not know the unit"),
+        ({"outputs": {"a": Output(dims=("x",))}}, "give coordinate values for each dimension"),
+        (
+            {"outputs": {"a": Output(dims=("x",), coordinates={"x": np.zeros(2)})}},
+            "different values",
+        ),
+        ({"outputs": {"force": Output()}}, "'force' is both an input and an output"),
+        (
+            {"outputs": {"a": Output(dims=("kind",), coordinates={"kind": np.arange(2.0)})}},
+            "dimension 'kind' is also an input",
+        ),
+        (
+            {
+                "outputs": {
+                    n: Output(dims=("x",), coordinates={"x": np.arange(float(i + 1))})
+                    for i, n in enumerate("ab")
+                }
+            },
+            "other coordinates than in another output",
+        ),
+        ({"__call__": answering(lambda a, f, k: [1.0])}, "returned a list; return a mapping"),
+        ({"__call__": answering(lambda a, f, k: {"length": 1.0})}, "return exactly these"),
+        ({"__call__": answering(lambda a, f, k: {**a, "more": 1.0})}, "return exactly these"),
+        (
+            {"__call__": answering(lambda a, f, k: {**a, "length": "long"})},
+            "is 'long'; return a float",
+        ),
+        (
+            {"__call__": answering(lambda a, f, k: {**a, "curve": np.zeros(2)})},
+            r"has shape \(2,\); its dims \['x'\] say \(3,\)",
+        ),
+        (
+            {"__call__": answering(lambda a, f, k: {**a, "length": np.nan})},
+            "not finite; raise SolverError with a sentence",
+        ),
+        ({"__call__": answering(unstable)}, "two calls with the same inputs differ"),
+        ({"__call__": answering(complain)}, "raised ValueError: boom; raise SolverError with a"),
+        ({"__call__": answering(silent)}, "raised SolverError without a message"),
+        (
+            {"inputs": {"force": Input(nominal=9.95), "kind": Spring.inputs["kind"]}},
+            "the nominal point raised SolverError: the spring broke; choose nominal values",
+        ),
+    ],
+)
 def test_broken_solvers(attributes, said):
     """One broken thing, one sentence that names it and the cure."""
     with pytest.raises(PluginError, match=said):
@@ -168,6 +207,7 @@ def test_broken_solvers(attributes, said):
 
 def test_solver_side_effects():
     """Declarations that change in a call, attributes that do not pickle, false refusals."""
+
     class Changing(Spring):
         """Changes its outputs."""
 
@@ -187,14 +227,15 @@ def test_solver_side_effects():
 
 def test_solver_may_be_random_when_it_says_so():
     """`deterministic = False` allows two answers to one call."""
-    check_solver(broken_solver(__call__=answering(unstable), deterministic=False),
-                 picklable=False)
+    check_solver(broken_solver(__call__=answering(unstable), deterministic=False), picklable=False)
 
 
 def test_zero_runs_does_not_call():
     """Declarations of a solver that takes hours."""
+
     def never(self, **inputs):
         raise AssertionError("called")
+
     check_solver(broken_solver(__call__=never), runs=0, picklable=False)
 
 
@@ -269,19 +310,23 @@ def untyped(space, *, runs, path, seed=None):
     return space.sample(runs, seed=seed)
 
 
-@pytest.mark.parametrize("method, said", [
-    (positional, "options runs, seed are not keyword-only"),
-    (no_seed, "takes no `seed`"),
-    (global_state, "uses NumPy's global random state"),
-    (unseeded, "the same seed gave other points"),
-    (physical, r"leaves \[-1, 1\]"),
-    (one_dimensional, r"returned shape \(3,\)"),
-    (between, "parameter side takes values between its levels"),
-    (at_ends, "parameter load has no ends"),
-    (listing, "returned list; return a NumPy array"),
-    (refusing, "on three ranges raised DesignError: no"),
-    (untyped, "option runs has no type(?s:.)*option path has no default"),
-    (lambda *, runs: int, "has no docstring(?s:.)*takes no space")])
+@pytest.mark.parametrize(
+    "method, said",
+    [
+        (positional, "options runs, seed are not keyword-only"),
+        (no_seed, "takes no `seed`"),
+        (global_state, "uses NumPy's global random state"),
+        (unseeded, "the same seed gave other points"),
+        (physical, r"leaves \[-1, 1\]"),
+        (one_dimensional, r"returned shape \(3,\)"),
+        (between, "parameter side takes values between its levels"),
+        (at_ends, "parameter load has no ends"),
+        (listing, "returned list; return a NumPy array"),
+        (refusing, "on three ranges raised DesignError: no"),
+        (untyped, "option runs has no type(?s:.)*option path has no default"),
+        (lambda *, runs: int, "has no docstring(?s:.)*takes no space"),
+    ],
+)
 def test_broken_designs(method, said):
     """One broken thing, one sentence that names it and the cure."""
     with pytest.raises(PluginError, match=said):
@@ -297,10 +342,12 @@ def test_design_that_fails_on_some_spaces():
 
 def test_broken_augmentation():
     """It may not change the design that it grows."""
+
     def mirror(space, coded, *, seed=None):
         """Mirror in place."""
         coded *= -1.0
         return coded.copy()
+
     with pytest.raises(PluginError, match="changes the design that it is given"):
         check_augmentation(mirror)
 
@@ -353,29 +400,55 @@ def fit_and_keep_a_lambda(self, X, y):
     return Line.fit(self, X, y)
 
 
-@pytest.mark.parametrize("methods, said", [
-    ({"fit": fit_in_place}, "fit changes its training data"),
-    ({"fit": fit_without_return}, "end it with `return self`"),
-    ({"fit": fit_randomly}, "a second fit to the same data predicts differently"),
-    ({"fit": fit_and_keep_a_lambda}, "pickling raised"),
-    ({"predict": lambda self, X: self.model_.predict(X)[:, None]}, r"shape \(25,\)"),
-    ({"predict": lambda self, X: self.model_.predict(X) * np.nan}, "not finite"),
-    ({"predict": lambda self, X: self.model_.predict(X - X.mean(axis=0))},
-     "depend on which points are asked together"),
-    ({"predict": lambda self, X, return_std=False: (
-        (self.model_.predict(X), -np.ones(len(X))) if return_std else self.model_.predict(X))},
-     "is negative somewhere"),
-    ({"predict": lambda self, X, return_std=False: (
-        (self.model_.predict(X) + 1, np.ones(len(X))) if return_std else self.model_.predict(X))},
-     "another mean than predict"),
-    ({"leave_one_out": lambda self: np.zeros(3)}, "leave_one_out of 40 points"),
-    ({"portable": lambda self: {"a": np.zeros(3)}}, "return plain dictionaries"),
-    ({"sobol_indices": lambda self: Indices(np.array([0.5, 0.5, 1.5]))}, "leaves \\[0, 1\\]"),
-    ({"sobol_indices": lambda self: Indices(np.zeros(2))}, "must have shape"),
-    ({"__doc__": ""}, "has no docstring"),
-    ({"predict": None}, "has no predict"),
-    ({"__init__": lambda self, *, scale=1.0, space=None: self.__dict__.update(
-        scale=scale * 2, space=space)}, "sklearn.base.clone raised")])
+@pytest.mark.parametrize(
+    "methods, said",
+    [
+        ({"fit": fit_in_place}, "fit changes its training data"),
+        ({"fit": fit_without_return}, "end it with `return self`"),
+        ({"fit": fit_randomly}, "a second fit to the same data predicts differently"),
+        ({"fit": fit_and_keep_a_lambda}, "pickling raised"),
+        ({"predict": lambda self, X: self.model_.predict(X)[:, None]}, r"shape \(25,\)"),
+        ({"predict": lambda self, X: self.model_.predict(X) * np.nan}, "not finite"),
+        (
+            {"predict": lambda self, X: self.model_.predict(X - X.mean(axis=0))},
+            "depend on which points are asked together",
+        ),
+        (
+            {
+                "predict": lambda self, X, return_std=False: (
+                    (self.model_.predict(X), -np.ones(len(X)))
+                    if return_std
+                    else self.model_.predict(X)
+                )
+            },
+            "is negative somewhere",
+        ),
+        (
+            {
+                "predict": lambda self, X, return_std=False: (
+                    (self.model_.predict(X) + 1, np.ones(len(X)))
+                    if return_std
+                    else self.model_.predict(X)
+                )
+            },
+            "another mean than predict",
+        ),
+        ({"leave_one_out": lambda self: np.zeros(3)}, "leave_one_out of 40 points"),
+        ({"portable": lambda self: {"a": np.zeros(3)}}, "return plain dictionaries"),
+        ({"sobol_indices": lambda self: Indices(np.array([0.5, 0.5, 1.5]))}, "leaves \\[0, 1\\]"),
+        ({"sobol_indices": lambda self: Indices(np.zeros(2))}, "must have shape"),
+        ({"__doc__": ""}, "has no docstring"),
+        ({"predict": None}, "has no predict"),
+        (
+            {
+                "__init__": lambda self, *, scale=1.0, space=None: self.__dict__.update(
+                    scale=scale * 2, space=space
+                )
+            },
+            "sklearn.base.clone raised",
+        ),
+    ],
+)
 def test_broken_regressors(methods, said):
     """One broken thing, one sentence that names it and the cure."""
     with pytest.raises(PluginError, match=said):

@@ -21,24 +21,38 @@ def reference():
 @pytest.fixture(scope="session")
 def cube():
     """cube(k): k uniform parameters A, B, .. (p0, p1, .. beyond 25)."""
+
     def build(k):
         names = LETTERS[:k] if k <= len(LETTERS) else [f"p{i}" for i in range(k)]
-        return Space(tuple(Parameter(name, uniform(2.0 + i, 5.0 + 2 * i), unit="mm")
-                           for i, name in enumerate(names)))
+        return Space(
+            tuple(
+                Parameter(name, uniform(2.0 + i, 5.0 + 2 * i), unit="mm")
+                for i, name in enumerate(names)
+            )
+        )
+
     return build
 
 
 @pytest.fixture(scope="session")
 def mixed():
     """Two ranges, a two-level and a three-level categorical parameter."""
-    return Space((Parameter("tension", uniform(0.059, 0.137), unit="N/mm"),
-                  Parameter("bandage", levels=("biflex_16", "biflex_17")),
-                  Parameter("posture", levels=("lying", "sitting", "standing")),
-                  Parameter("mu", uniform(0.1, 0.3))))
+    return Space(
+        (
+            Parameter("tension", uniform(0.059, 0.137), unit="N/mm"),
+            Parameter("bandage", levels=("biflex_16", "biflex_17")),
+            Parameter("posture", levels=("lying", "sitting", "standing")),
+            Parameter("mu", uniform(0.1, 0.3)),
+        )
+    )
 
 
 @pytest.fixture(scope="session")
 def unbounded():
     """One range and one normal distribution without ends."""
-    return Space((Parameter("tension", uniform(0.059, 0.137), unit="N/mm"),
-                  Parameter("c10", distribution("normal", mean=5.0, std=1.0), unit="kPa")))
+    return Space(
+        (
+            Parameter("tension", uniform(0.059, 0.137), unit="N/mm"),
+            Parameter("c10", distribution("normal", mean=5.0, std=1.0), unit="kPa"),
+        )
+    )

@@ -32,9 +32,11 @@ def test_table_agrees_with_products_of_columns(cube):
 
     table = dict(aliasing(space, coded).table)
     for effect, aliases in table.items():
-        expected = {other if (column(effect) == column(other)).all() else f"-{other}"
-                    for other in table if other != effect
-                    and abs(column(effect) @ column(other)) == len(coded)}
+        expected = {
+            other if (column(effect) == column(other)).all() else f"-{other}"
+            for other in table
+            if other != effect and abs(column(effect) @ column(other)) == len(coded)
+        }
         assert set(aliases) == expected
 
 
@@ -49,8 +51,12 @@ def test_printed_table_says_each_chain_once(cube):
     """The text has the resolution, the defining relation and one line a chain."""
     space = Space(tuple(Parameter(name, uniform(0, 1)) for name in ("mu", "tension", "length")))
     text = str(aliasing(space, fractional_factorial(space, resolution=3)))
-    assert text.splitlines() == ["resolution 3; I = mu:tension:length", "mu = tension:length",
-                                 "tension = mu:length", "length = mu:tension"]
+    assert text.splitlines() == [
+        "resolution 3; I = mu:tension:length",
+        "mu = tension:length",
+        "tension = mu:length",
+        "length = mu:tension",
+    ]
     assert "no effect is aliased" in str(aliasing(space, full_factorial(space)))
 
 

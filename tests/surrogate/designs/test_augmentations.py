@@ -53,7 +53,8 @@ def test_center_points(cube, mixed, unbounded):
     decoded = mixed.decode(added)
     np.testing.assert_allclose(decoded["tension"], 0.098)
     assert set(zip(decoded["bandage"], decoded["posture"], strict=True)) == {
-        (a, b) for a in ("biflex_16", "biflex_17") for b in ("lying", "sitting", "standing")}
+        (a, b) for a in ("biflex_16", "biflex_17") for b in ("lying", "sitting", "standing")
+    }
     assert unbounded.decode(center_points(unbounded, None))["c10"][0] == pytest.approx(5.0)
     with pytest.raises(DesignError, match="runs: 0"):
         center_points(cube(3), None, runs=0)

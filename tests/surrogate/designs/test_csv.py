@@ -30,8 +30,9 @@ def test_reads_by_name(mixed, tmp_path):
 def test_byte_order_mark_and_semicolons(cube, tmp_path):
     """As spreadsheet programs write it."""
     path = write(tmp_path, "\ufeffA;B\n2;3\n5;7\n")
-    np.testing.assert_array_equal(csv(cube(2), path=path, delimiter=";", folder=tmp_path),
-                                  [[-1, -1], [1, 1]])
+    np.testing.assert_array_equal(
+        csv(cube(2), path=path, delimiter=";", folder=tmp_path), [[-1, -1], [1, 1]]
+    )
 
 
 def test_unbounded(unbounded, tmp_path):
@@ -41,17 +42,20 @@ def test_unbounded(unbounded, tmp_path):
     assert coded[0, 1] == pytest.approx(0.0) and coded[1, 1] == pytest.approx(-1.0)
 
 
-@pytest.mark.parametrize("text, said", [
-    ("A,C\n3,4\n", r"points.csv:1: no column for parameter 'B'; .*Allowed: A, C"),
-    ("A,B,B\n3,4,4\n", "column 'B' stands twice"),
-    ("A;B\n3;4\n", "is ',' the delimiter"),
-    ("A,B\n3,four\n", r"points.csv:2: B: 'four' is not a number"),
-    ("A,B\n3,4\n\n9,4\n", r"points.csv:4: A: 9 lies outside \[2, 5\] mm; change"),
-    ("A,B\n3,nan\n", r"points.csv:2: B: nan lies outside"),
-    ("A,B\n3\n", r"points.csv:2: 1 values where the first line names 2"),
-    ("A,B\n", "has no points"),
-    ("", "has no points"),
-])
+@pytest.mark.parametrize(
+    "text, said",
+    [
+        ("A,C\n3,4\n", r"points.csv:1: no column for parameter 'B'; .*Allowed: A, C"),
+        ("A,B,B\n3,4,4\n", "column 'B' stands twice"),
+        ("A;B\n3;4\n", "is ',' the delimiter"),
+        ("A,B\n3,four\n", r"points.csv:2: B: 'four' is not a number"),
+        ("A,B\n3,4\n\n9,4\n", r"points.csv:4: A: 9 lies outside \[2, 5\] mm; change"),
+        ("A,B\n3,nan\n", r"points.csv:2: B: nan lies outside"),
+        ("A,B\n3\n", r"points.csv:2: 1 values where the first line names 2"),
+        ("A,B\n", "has no points"),
+        ("", "has no points"),
+    ],
+)
 def test_mistakes_name_the_line(cube, tmp_path, text, said):
     """Value, line, what is allowed."""
     with pytest.raises(DesignError, match=said):

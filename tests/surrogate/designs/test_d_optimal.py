@@ -12,8 +12,16 @@ def efficiency(space, coded, model):
     return np.exp(log_determinant(F) / F.shape[1]) / len(coded)
 
 
-@pytest.mark.parametrize("k, runs, model", [(7, 8, "linear"), (11, 12, "linear"), (3, 4, "linear"),
-                                            (5, 16, "interactions"), (4, 16, "interactions")])
+@pytest.mark.parametrize(
+    "k, runs, model",
+    [
+        (7, 8, "linear"),
+        (11, 12, "linear"),
+        (3, 4, "linear"),
+        (5, 16, "interactions"),
+        (4, 16, "interactions"),
+    ],
+)
 def test_finds_orthogonal_designs_where_they_exist(cube, k, runs, model):
     """Hadamard's bound: |F'F| <= N^p, reached by orthogonal arrays.
 
@@ -43,8 +51,7 @@ def test_better_than_random_points(cube):
     """Quadratic in 4 parameters, 20 runs: above every one of 300 random designs."""
     rng = np.random.default_rng(0)
     coded = d_optimal(cube(4), runs=20, model="quadratic", seed=0)
-    random = max(efficiency(cube(4), rng.uniform(-1, 1, (20, 4)), "quadratic")
-                 for _ in range(300))
+    random = max(efficiency(cube(4), rng.uniform(-1, 1, (20, 4)), "quadratic") for _ in range(300))
     assert efficiency(cube(4), coded, "quadratic") > 2 * random
 
 
@@ -64,10 +71,14 @@ def test_seed(cube):
     np.testing.assert_array_equal(first, second)
 
 
-@pytest.mark.parametrize("options, said", [
-    ({"runs": 9, "model": "quadratic"}, "runs: 9 cannot estimate the 10 terms"),
-    ({"runs": 9, "model": "cubic"}, "model: 'cubic'"),
-    ({"runs": 9, "starts": 0}, "starts: 0")])
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        ({"runs": 9, "model": "quadratic"}, "runs: 9 cannot estimate the 10 terms"),
+        ({"runs": 9, "model": "cubic"}, "model: 'cubic'"),
+        ({"runs": 9, "starts": 0}, "starts: 0"),
+    ],
+)
 def test_mistakes(cube, options, said):
     """Too few runs for the model, unknown model, no starts."""
     with pytest.raises(DesignError, match=said):
@@ -85,8 +96,9 @@ def test_rounding_does_not_choose_among_equal_designs(cube, k, runs, model, monk
     """Processors round differently in the last digit; the same seed must give the same runs."""
     exact, rng = np.linalg.inv, np.random.default_rng(0)
     expected = d_optimal(cube(k), runs=runs, model=model, starts=10, seed=1)
-    monkeypatch.setattr(np.linalg, "inv",
-                        lambda a: exact(a) * (1.0 + 2e-16 * rng.standard_normal(a.shape)))
+    monkeypatch.setattr(
+        np.linalg, "inv", lambda a: exact(a) * (1.0 + 2e-16 * rng.standard_normal(a.shape))
+    )
     for _ in range(3):
         again = d_optimal(cube(k), runs=runs, model=model, starts=10, seed=1)
         np.testing.assert_array_equal(again, expected)

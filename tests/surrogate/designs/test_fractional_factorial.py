@@ -13,17 +13,45 @@ from surrogate.designs.full_factorial import full_factorial
 from surrogate.designs.minimum_aberration import TABLE, fewest_runs, fraction, search
 from surrogate.errors import DesignError
 
-KEYS = ["3-1", "4-1", "5-1", "5-2", "6-1", "6-2", "6-3", "7-1", "7-2", "7-3", "7-4", "8-2", "8-3",
-        "8-4", "9-2", "9-3", "9-4", "9-5", "10-3", "10-4", "10-5", "10-6", "11-5", "11-6"]
+KEYS = [
+    "3-1",
+    "4-1",
+    "5-1",
+    "5-2",
+    "6-1",
+    "6-2",
+    "6-3",
+    "7-1",
+    "7-2",
+    "7-3",
+    "7-4",
+    "8-2",
+    "8-3",
+    "8-4",
+    "9-2",
+    "9-3",
+    "9-4",
+    "9-5",
+    "10-3",
+    "10-4",
+    "10-5",
+    "10-6",
+    "11-5",
+    "11-6",
+]
 RESOLUTIONS = {"III": 3, "IV": 4, "V": 5}
 
 
 def brute_force_words(coded):
     """Number of constant products of 1, 2, .. columns, by multiplying all of them out."""
     factors = coded.shape[1]
-    return [sum(abs(coded[:, list(chosen)].prod(axis=1).sum()) == len(coded)
-                for chosen in itertools.combinations(range(factors), length))
-            for length in range(1, factors + 1)]
+    return [
+        sum(
+            abs(coded[:, list(chosen)].prod(axis=1).sum()) == len(coded)
+            for chosen in itertools.combinations(range(factors), length)
+        )
+        for length in range(1, factors + 1)
+    ]
 
 
 def test_reference_lists_every_key(reference):
@@ -59,8 +87,10 @@ def test_search_is_as_good_as_the_table(size):
     """The search alone reaches the minimum aberration of every published fraction."""
     factors, generators = size
     base = factors - generators
-    lengths = [columns.word_lengths(columns.weights(masks, base), factors)
-               for masks in (search(factors, base), fraction(factors, base))]
+    lengths = [
+        columns.word_lengths(columns.weights(masks, base), factors)
+        for masks in (search(factors, base), fraction(factors, base))
+    ]
     assert lengths[0] == lengths[1]
 
 
@@ -71,16 +101,30 @@ def test_fewest_runs(reference, cube, roman):
         space = cube(int(factors))
         coded = fractional_factorial(space, resolution=roman)
         assert len(coded) == runs
-        lengths = brute_force_words(coded) if space.size <= 9 else [
-            *aliasing(space, coded).word_length_pattern]
+        lengths = (
+            brute_force_words(coded)
+            if space.size <= 9
+            else [*aliasing(space, coded).word_length_pattern]
+        )
         offset = 1 if space.size <= 9 else 3
         shortest = next((i for i, n in enumerate(lengths, offset) if n), math.inf)
         assert shortest >= RESOLUTIONS[roman]
 
 
-@pytest.mark.parametrize("factors, resolution, base", [(12, 5, 8), (17, 5, 8), (12, 6, 8),
-                                                       (31, 3, 5), (32, 4, 6), (24, 4, 6),
-                                                       (23, 5, 9), (30, 5, 10), (100, 4, 8)])
+@pytest.mark.parametrize(
+    "factors, resolution, base",
+    [
+        (12, 5, 8),
+        (17, 5, 8),
+        (12, 6, 8),
+        (31, 3, 5),
+        (32, 4, 6),
+        (24, 4, 6),
+        (23, 5, 9),
+        (30, 5, 10),
+        (100, 4, 8),
+    ],
+)
 def test_fractions_beyond_the_table(factors, resolution, base):
     """Most factors of resolution V: 17 in 256 runs, 23 in 512 (Draper and Lin 1990)."""
     masks = fewest_runs(factors, resolution, 14)
@@ -91,14 +135,21 @@ def test_fractions_beyond_the_table(factors, resolution, base):
             assert functools.reduce(operator.xor, chosen) != 0
 
 
-@pytest.mark.parametrize("factors, base, pattern", [
-    (11, 4, (12, 26, 28, 24, 20, 13, 4)), (15, 4, (35, 105)), (12, 5, (0, 38, 0, 52)),
-    (11, 7, (0, 0, 6, 6, 2, 1)), (16, 5, (0, 140))])
+@pytest.mark.parametrize(
+    "factors, base, pattern",
+    [
+        (11, 4, (12, 26, 28, 24, 20, 13, 4)),
+        (15, 4, (35, 105)),
+        (12, 5, (0, 38, 0, 52)),
+        (11, 7, (0, 0, 6, 6, 2, 1)),
+        (16, 5, (0, 140)),
+    ],
+)
 def test_minimum_aberration_beyond_the_table(factors, base, pattern):
     """Chen, Sun and Wu 1993 (word-length patterns of minimum aberration fractions)."""
     masks = fraction(factors, base)
     lengths = columns.word_lengths(columns.weights(masks, base), factors)
-    assert lengths[3:3 + len(pattern)] == pattern
+    assert lengths[3 : 3 + len(pattern)] == pattern
 
 
 def test_word_lengths_agree_with_enumeration():
@@ -115,8 +166,15 @@ def test_word_lengths_agree_with_enumeration():
 
 def test_traps_of_other_programs(cube):
     """16 runs hold 7 factors in resolution IV, 8 runs in III; (4, 4) and (5, 5) exist."""
-    for factors, resolution, runs in [(7, 3, 8), (7, 4, 16), (4, 4, 8), (5, 5, 16), (7, 5, 64),
-                                      (8, 5, 64), (9, 5, 128)]:
+    for factors, resolution, runs in [
+        (7, 3, 8),
+        (7, 4, 16),
+        (4, 4, 8),
+        (5, 5, 16),
+        (7, 5, 64),
+        (8, 5, 64),
+        (9, 5, 128),
+    ]:
         assert len(fractional_factorial(cube(factors), resolution=resolution)) == runs
 
 
@@ -156,25 +214,28 @@ def test_generators_by_name(mixed, cube):
         np.testing.assert_array_equal(coded[:, 0], coded[:, 1] * coded[:, 2])
 
 
-@pytest.mark.parametrize("options, said", [
-    ({}, "give one of resolution, runs and generators"),
-    ({"resolution": 3, "runs": 8}, "2 given"),
-    ({"resolution": 2}, "resolution: 2 must be a whole number of at least 3"),
-    ({"resolution": "X"}, "resolution: 'X'"),
-    ({"runs": 12}, "runs: 12 is not the size .* use one of 8, 16, 32, 64"),
-    ({"runs": 4}, "use one of 8"),
-    ({"generators": "AB"}, "must be a list"),
-    ({"generators": ["F = AX"]}, "'X' in 'F = AX' is not a parameter"),
-    ({"generators": ["F = A", "E = AB"]}, "makes F change together with A"),
-    ({"generators": ["F = AB", "E = AB"]}, "makes E change together with F"),
-    ({"generators": ["F = AB", "E = AF"]}, "uses F, which a generator makes"),
-    ({"generators": ["F = AB", "F = AC"]}, "F is made twice"),
-    ({"generators": ["F = AA"]}, "makes F constant"),
-    ({"generators": ["F = "]}, "'nothing' in 'F = '"),
-    ({"generators": ["A", "B", "C", "A", "B", "C"]}, "leave no base factor"),
-    ({"generators": ["AB = CD"]}, "must have one parameter left"),
-    ({"resolution": 3, "center_points": -1}, "center_points: -1"),
-])
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        ({}, "give one of resolution, runs and generators"),
+        ({"resolution": 3, "runs": 8}, "2 given"),
+        ({"resolution": 2}, "resolution: 2 must be a whole number of at least 3"),
+        ({"resolution": "X"}, "resolution: 'X'"),
+        ({"runs": 12}, "runs: 12 is not the size .* use one of 8, 16, 32, 64"),
+        ({"runs": 4}, "use one of 8"),
+        ({"generators": "AB"}, "must be a list"),
+        ({"generators": ["F = AX"]}, "'X' in 'F = AX' is not a parameter"),
+        ({"generators": ["F = A", "E = AB"]}, "makes F change together with A"),
+        ({"generators": ["F = AB", "E = AB"]}, "makes E change together with F"),
+        ({"generators": ["F = AB", "E = AF"]}, "uses F, which a generator makes"),
+        ({"generators": ["F = AB", "F = AC"]}, "F is made twice"),
+        ({"generators": ["F = AA"]}, "makes F constant"),
+        ({"generators": ["F = "]}, "'nothing' in 'F = '"),
+        ({"generators": ["A", "B", "C", "A", "B", "C"]}, "leave no base factor"),
+        ({"generators": ["AB = CD"]}, "must have one parameter left"),
+        ({"resolution": 3, "center_points": -1}, "center_points: -1"),
+    ],
+)
 def test_mistakes_are_sentences(cube, options, said):
     """Each mistake names the value and what is allowed."""
     with pytest.raises(DesignError, match=said):

@@ -69,8 +69,9 @@ def test_rotatable_alpha(reference, cube, k):
     assert 1.0 / corner == pytest.approx(reference["rotatable_alpha"][str(k)], rel=1e-14)
 
 
-@pytest.mark.parametrize("k, cube_part", [(2, "full"), (4, "full"), (5, "fraction"),
-                                          (6, "fraction"), (8, "fraction")])
+@pytest.mark.parametrize(
+    "k, cube_part", [(2, "full"), (4, "full"), (5, "fraction"), (6, "fraction"), (8, "fraction")]
+)
 def test_rotatable_variance_depends_on_radius_only(cube, k, cube_part):
     """Box and Hunter 1957: the definition of rotatability, at two radii."""
     coded = central_composite(cube(k), cube=cube_part, center_points=3)
@@ -100,10 +101,15 @@ def test_fraction_keeps_the_quadratic_model(cube):
     assert np.linalg.matrix_rank(quadratic(coded)) == 36
 
 
-@pytest.mark.parametrize("options, said", [({"alpha": "rotateable"}, "did you mean 'rotatable'"),
-                                           ({"alpha": 0.5}, "alpha: 0.5"),
-                                           ({"cube": "half"}, "cube: 'half'"),
-                                           ({"center_points": 1.5}, "center_points: 1.5")])
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        ({"alpha": "rotateable"}, "did you mean 'rotatable'"),
+        ({"alpha": 0.5}, "alpha: 0.5"),
+        ({"cube": "half"}, "cube: 'half'"),
+        ({"center_points": 1.5}, "center_points: 1.5"),
+    ],
+)
 def test_central_composite_mistakes(cube, options, said):
     """Sentences with the value and what is allowed."""
     with pytest.raises(DesignError, match=said):
@@ -141,8 +147,9 @@ def test_orders_without_a_construction():
     assert [n for n in range(4, 101, 4) if not constructible(n)] == [52, 92, 100]
 
 
-@pytest.mark.parametrize("k, runs", [(3, 4), (4, 8), (11, 12), (12, 16), (23, 24), (25, 28),
-                                     (50, 56)])
+@pytest.mark.parametrize(
+    "k, runs", [(3, 4), (4, 8), (11, 12), (12, 16), (23, 24), (25, 28), (50, 56)]
+)
 def test_plackett_burman_run_counts(cube, k, runs):
     """The next multiple of 4 above k; 56 where 52 has no construction."""
     coded = plackett_burman(cube(k), center_points=1)
@@ -176,10 +183,15 @@ def test_full_factorial_levels(cube, mixed):
     np.testing.assert_array_equal(coded[-6:, [0, 3]], 0)
 
 
-@pytest.mark.parametrize("options, said", [({"levels": 1}, "levels of tension: 1"),
-                                           ({"levels": {"tensoin": 3}}, "did you mean 'tension'"),
-                                           ({"levels": {"posture": 2}}, "must be 3"),
-                                           ({"levels": 2000}, "runs; use")])
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        ({"levels": 1}, "levels of tension: 1"),
+        ({"levels": {"tensoin": 3}}, "did you mean 'tension'"),
+        ({"levels": {"posture": 2}}, "must be 3"),
+        ({"levels": 2000}, "runs; use"),
+    ],
+)
 def test_full_factorial_mistakes(mixed, options, said):
     """Levels that a parameter cannot have, and designs no one could run."""
     with pytest.raises(DesignError, match=said):

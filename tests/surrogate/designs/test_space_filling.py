@@ -26,8 +26,9 @@ def slices(coded, runs):
 def test_latin_property(cube, criterion, runs):
     """McKay, Beckman and Conover 1979: one value in each slice of each parameter."""
     coded = latin_hypercube(cube(4), runs=runs, criterion=criterion, seed=3)
-    np.testing.assert_array_equal(np.sort(slices(coded, runs), axis=0),
-                                  np.tile(np.arange(runs)[:, None], 4))
+    np.testing.assert_array_equal(
+        np.sort(slices(coded, runs), axis=0), np.tile(np.arange(runs)[:, None], 4)
+    )
 
 
 @pytest.mark.parametrize("runs", [4, 5, 6, 7, 8])
@@ -118,12 +119,18 @@ def test_levels_and_unbounded_parameters(mixed, unbounded, method):
 @pytest.mark.parametrize("criterion", ["maximin", "random"])
 def test_correlated_hypercube_keeps_slices_and_correlation(criterion):
     """Iman and Conover 1982: rank correlation 6/pi asin(rho/2) with the Latin property."""
-    space = Space((Parameter("a", uniform(0, 1)), Parameter("b", uniform(0, 1)),
-                   Parameter("c", distribution("normal", mean=0, std=1))),
-                  correlation=((1, 0.8, 0), (0.8, 1, 0), (0, 0, 1)))
+    space = Space(
+        (
+            Parameter("a", uniform(0, 1)),
+            Parameter("b", uniform(0, 1)),
+            Parameter("c", distribution("normal", mean=0, std=1)),
+        ),
+        correlation=((1, 0.8, 0), (0.8, 1, 0), (0, 0, 1)),
+    )
     coded = latin_hypercube(space, runs=200, criterion=criterion, seed=0)
-    np.testing.assert_array_equal(np.sort(slices(coded, 200), axis=0),
-                                  np.tile(np.arange(200)[:, None], 3))
+    np.testing.assert_array_equal(
+        np.sort(slices(coded, 200), axis=0), np.tile(np.arange(200)[:, None], 3)
+    )
     expected = 6 / np.pi * np.arcsin(0.4)
     assert spearmanr(coded[:, 0], coded[:, 1])[0] == pytest.approx(expected, abs=0.06)
     assert abs(spearmanr(coded[:, 0], coded[:, 2])[0]) < 0.15

@@ -58,8 +58,9 @@ def test_each_mishap_costs_its_own_run_and_says_what_happened(tmp_path, capfd):
     """Between any two misbehaving runs lie good ones, in the same batches; all of them live."""
     ways = [way for bad in SENTENCES for way in ["well", bad, "well", "well"]]
     x = np.arange(len(ways), dtype=float)
-    tally = execute(recipe(), {"x": x, "way": np.array(ways)}, journal=tmp_path, workers=2,
-                    timeout=1.5)
+    tally = execute(
+        recipe(), {"x": x, "way": np.array(ways)}, journal=tmp_path, workers=2, timeout=1.5
+    )
     assert (tally.done, tally.failed) == (len(ways), len(SENTENCES))
     contents, records = read(tmp_path), by_x(tmp_path)
     for number, way in zip(x, ways, strict=True):
@@ -82,8 +83,9 @@ def test_runs_only_what_the_journal_lacks(tmp_path):
     execute(one, {"x": [1.0, 2.0, 1.0]}, journal=tmp_path / "j", workers=1)
     assert sorted(diary(log)) == [1.0, 2.0]
     seen = []
-    tally = execute(one, {"x": [3.0, 2.0, 1.0]}, journal=tmp_path / "j", workers=1,
-                    progress=seen.append)
+    tally = execute(
+        one, {"x": [3.0, 2.0, 1.0]}, journal=tmp_path / "j", workers=1, progress=seen.append
+    )
     assert sorted(diary(log)) == [1.0, 2.0, 3.0]
     assert (tally.total, tally.reused, tally.done, tally.failed) == (3, 2, 3, 0)
     earlier = [r.seconds for r in read(tmp_path / "j").records.values() if r.inputs["x"] < 3]
@@ -108,8 +110,13 @@ def test_constants_and_nominal_values_are_part_of_a_run(tmp_path):
 def test_other_studies_journals_are_used_again(tmp_path):
     """A renamed study finds its runs, arrays included, and keeps them in its own journal."""
     execute(recipe(), {"x": [1.0, 2.0]}, journal=tmp_path / "old", workers=1)
-    tally = execute(recipe(), {"x": [2.0, 3.0]}, journal=tmp_path / "new", workers=1,
-                    others=[tmp_path / "none", tmp_path / "old"])
+    tally = execute(
+        recipe(),
+        {"x": [2.0, 3.0]},
+        journal=tmp_path / "new",
+        workers=1,
+        others=[tmp_path / "none", tmp_path / "old"],
+    )
     assert (tally.reused, tally.done) == (1, 2)
     contents = read(tmp_path / "new")
     assert (contents.values(by_x(tmp_path / "new")[2.0], "ramp") == [0, 2, 4]).all()
@@ -124,8 +131,13 @@ def test_an_output_that_was_not_kept_is_computed_and_the_old_one_stays(tmp_path)
 def test_retries_until_it_works(tmp_path):
     """A crash, then an exception, then an answer: three attempts, one good run."""
     log = tmp_path / "diary"
-    execute(recipe(diary=str(log)), {"x": [1.0], "way": ["flaky"]}, journal=tmp_path / "j",
-            workers=1, retries=2)
+    execute(
+        recipe(diary=str(log)),
+        {"x": [1.0], "way": ["flaky"]},
+        journal=tmp_path / "j",
+        workers=1,
+        retries=2,
+    )
     (record,) = read(tmp_path / "j").records.values()
     assert (record.status, record.attempts, record.outputs["square"]) == ("ok", 3, 1.0)
     assert diary(log) == [1.0, 1.0, 1.0]
@@ -135,8 +147,13 @@ def test_does_not_ask_again_what_a_deterministic_solver_answered(tmp_path):
     """`SolverError` and NaN are answers; an exception may be a passing fault."""
     for deterministic, attempts in ((True, [1, 1, 3]), (False, [3, 3, 3])):
         folder = tmp_path / str(deterministic)
-        execute(recipe(deterministic=deterministic), {"x": [1.0, 2.0, 3.0],
-                "way": ["refuse", "nan", "raise"]}, journal=folder, workers=1, retries=2)
+        execute(
+            recipe(deterministic=deterministic),
+            {"x": [1.0, 2.0, 3.0], "way": ["refuse", "nan", "raise"]},
+            journal=folder,
+            workers=1,
+            retries=2,
+        )
         assert [by_x(folder)[x].attempts for x in (1.0, 2.0, 3.0)] == attempts
 
 
@@ -167,16 +184,30 @@ def test_the_number_of_workers_changes_nothing(tmp_path, workers):
         folder = tmp_path / str(count)
         execute(recipe(), columns, journal=folder, workers=count)
         contents = read(folder)
-        found.append({key: (r.status, r.message, r.outputs, r.attempts, r.status == "ok"
-                            and contents.values(r, "ramp").tobytes())
-                      for key, r in contents.records.items()})
+        found.append(
+            {
+                key: (
+                    r.status,
+                    r.message,
+                    r.outputs,
+                    r.attempts,
+                    r.status == "ok" and contents.values(r, "ramp").tobytes(),
+                )
+                for key, r in contents.records.items()
+            }
+        )
     assert found[0] == found[1] and len(found[0]) == 60
 
 
 def test_a_hung_run_takes_its_programs_along(tmp_path):
     """A program that the solver waits for ends with the worker that is stopped."""
-    execute(recipe(diary=str(tmp_path / "pid")), {"x": [1.0], "way": ["child"]}, workers=1,
-            journal=tmp_path / "j", timeout=1.0)
+    execute(
+        recipe(diary=str(tmp_path / "pid")),
+        {"x": [1.0], "way": ["child"]},
+        workers=1,
+        journal=tmp_path / "j",
+        timeout=1.0,
+    )
     assert by_x(tmp_path / "j")[1.0].status == "timed_out"
     assert wait_until(lambda: ended(int((tmp_path / "pid").read_text())))
 
@@ -185,16 +216,28 @@ def test_threads_of_numerical_libraries_are_limited(tmp_path, monkeypatch):
     """Libraries already loaded, and the variables that later ones read."""
     for threads, stated in ((1, "64"), (2, "64"), (2, "1")):
         monkeypatch.setenv("OMP_NUM_THREADS", stated)
-        execute(Recipe(f"threads {threads} {stated}", Threads), {"x": [1.0]}, workers=1,
-                threads=threads, journal=tmp_path)
+        execute(
+            Recipe(f"threads {threads} {stated}", Threads),
+            {"x": [1.0]},
+            workers=1,
+            threads=threads,
+            journal=tmp_path,
+        )
     limits = {r.solver["solver"][8:]: r.outputs for r in read(tmp_path).records.values()}
     assert limits["1 64"] == limits["2 1"] == {"limit": 1.0, "variable": 1.0}
     assert limits["2 64"] == {"limit": min(2.0, cores()), "variable": 2.0}
 
 
-@pytest.mark.parametrize("by, sentence", [
-    ("raise", "cannot be built in a worker process: OSError: mesh.inp is not on this machine"),
-    ("exit", "cannot be built in a worker process: the worker ended by itself with exit code 9")])
+@pytest.mark.parametrize(
+    "by, sentence",
+    [
+        ("raise", "cannot be built in a worker process: OSError: mesh.inp is not on this machine"),
+        (
+            "exit",
+            "cannot be built in a worker process: the worker ended by itself with exit code 9",
+        ),
+    ],
+)
 def test_a_solver_that_workers_cannot_build_is_one_sentence(tmp_path, by, sentence):
     broken = Recipe("broken", Unbuildable, {"home": os.getpid(), "by": by})
     with pytest.raises(PluginError, match=sentence):
@@ -211,17 +254,28 @@ def test_a_solver_that_cannot_be_imported_is_one_sentence(tmp_path):
 
 def test_wrong_arguments_are_reported_together(tmp_path):
     with pytest.raises(StudyError) as caught:
-        execute(recipe(), {"x": [1.0]}, journal=tmp_path, workers=0, timeout=-1, retries=-1,
-                rerun=["broken"])
+        execute(
+            recipe(),
+            {"x": [1.0]},
+            journal=tmp_path,
+            workers=0,
+            timeout=-1,
+            retries=-1,
+            rerun=["broken"],
+        )
     assert len(caught.value.mistakes) == 4
     for columns, constants, sentence in [
-            ({"y": [1.0]}, {}, "misbehaving has no input 'y'"),
-            ({"x": [np.inf]}, {}, "x: inf is not finite"),
-            ({"x": ["a"]}, {}, "x: 'a' is not a number"),
-            ({"x": [1.0]}, {"way": "wel"}, "did you mean 'well'"),
-            ({}, {}, "needs a value for 'x'")]:
-        solver = Recipe("misbehaving", Misbehaving if columns else Unbuildable,
-                        {} if columns else {"home": os.getpid()})
+        ({"y": [1.0]}, {}, "misbehaving has no input 'y'"),
+        ({"x": [np.inf]}, {}, "x: inf is not finite"),
+        ({"x": ["a"]}, {}, "x: 'a' is not a number"),
+        ({"x": [1.0]}, {"way": "wel"}, "did you mean 'well'"),
+        ({}, {}, "needs a value for 'x'"),
+    ]:
+        solver = Recipe(
+            "misbehaving",
+            Misbehaving if columns else Unbuildable,
+            {} if columns else {"home": os.getpid()},
+        )
         with pytest.raises(StudyError, match=sentence):
             execute(solver, columns, constants=constants, journal=tmp_path)
     with pytest.raises(StudyError, match="output 'sqare' is unknown; did you mean 'square'"):
@@ -239,13 +293,18 @@ def test_a_full_disk_stops_with_a_sentence_and_no_worker_left(tmp_path, monkeypa
     monkeypatch.setattr(Journal, "append", full)
     log = tmp_path / "diary"
     with pytest.raises(ResultsError, match="No space left"):
-        execute(recipe(diary=str(log), pause=0.02), {"x": np.arange(50.0)}, workers=2,
-                journal=tmp_path / "j")
+        execute(
+            recipe(diary=str(log), pause=0.02),
+            {"x": np.arange(50.0)},
+            workers=2,
+            journal=tmp_path / "j",
+        )
     assert len(read(tmp_path / "j").records) == 5
     assert wait_until(lambda: all(map(ended, pids(log))))
 
 
 # Executors of the user
+
 
 @pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_any_executor_gives_the_same_runs(tmp_path, kind):
@@ -268,11 +327,23 @@ def spawning():
 
 def test_a_run_over_time_in_an_executor_is_given_up(tmp_path):
     with ThreadPoolExecutor(2) as executor:
-        tally = execute(recipe(pause=0.05), {"x": [1.0, 2.0, 3.0]}, executor=executor, workers=2,
-                        journal=tmp_path, timeout=20)
+        tally = execute(
+            recipe(pause=0.05),
+            {"x": [1.0, 2.0, 3.0]},
+            executor=executor,
+            workers=2,
+            journal=tmp_path,
+            timeout=20,
+        )
         assert tally.failed == 0
-        execute(recipe(pause=1.5), {"x": [4.0]}, executor=executor, workers=2, journal=tmp_path,
-                timeout=0.3)
+        execute(
+            recipe(pause=1.5),
+            {"x": [4.0]},
+            executor=executor,
+            workers=2,
+            journal=tmp_path,
+            timeout=0.3,
+        )
     assert by_x(tmp_path)[4.0].status == "timed_out"
     assert "the executor cannot stop it" in by_x(tmp_path)[4.0].message
 
@@ -280,8 +351,14 @@ def test_a_run_over_time_in_an_executor_is_given_up(tmp_path):
 def test_an_executor_full_of_hung_runs_is_a_sentence(tmp_path):
     with ThreadPoolExecutor(1) as executor:
         with pytest.raises(SurrogateError, match="all 1 places of the executor are taken"):
-            execute(recipe(pause=1.5), {"x": [1.0, 2.0, 3.0]}, executor=executor, workers=2,
-                    journal=tmp_path, timeout=0.3)
+            execute(
+                recipe(pause=1.5),
+                {"x": [1.0, 2.0, 3.0]},
+                executor=executor,
+                workers=2,
+                journal=tmp_path,
+                timeout=0.3,
+            )
     assert by_x(tmp_path)[1.0].status == "timed_out"
 
 
@@ -337,10 +414,14 @@ def pids(log):
 def start_program(tmp_path):
     """A program half-way through its sixty runs."""
     script, log, folder = tmp_path / "program.py", tmp_path / "diary", tmp_path / "j"
-    script.write_text(PROGRAM.format(tests=str(Path(misbehaving.__file__).parent), diary=str(log),
-                                     journal=str(folder)))
-    program = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True)
+    script.write_text(
+        PROGRAM.format(
+            tests=str(Path(misbehaving.__file__).parent), diary=str(log), journal=str(folder)
+        )
+    )
+    program = subprocess.Popen(
+        [sys.executable, str(script)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     assert wait_until(lambda: len(read(folder).records) >= 20, 30.0)
     return program, log, folder
 
@@ -352,10 +433,14 @@ def resume(log, folder):
     assert wait_until(lambda: all(map(ended, pids(log))))
     before = diary(log)
     assert len(before) - len(kept) <= 2  # at most the two that were under way are lost
-    tally = execute(Recipe("misbehaving", Misbehaving, {"diary": str(log), "pause": 0.05}),
-                    {"x": np.arange(60.0)}, journal=folder, workers=2)
+    tally = execute(
+        Recipe("misbehaving", Misbehaving, {"diary": str(log), "pause": 0.05}),
+        {"x": np.arange(60.0)},
+        journal=folder,
+        workers=2,
+    )
     assert (tally.done, tally.reused, tally.failed) == (60, len(kept), 0)
-    assert Counter(diary(log)[len(before):]) == Counter(set(np.arange(60.0)) - kept)
+    assert Counter(diary(log)[len(before) :]) == Counter(set(np.arange(60.0)) - kept)
 
 
 def test_kill_9_loses_only_what_was_under_way(tmp_path):
@@ -372,8 +457,10 @@ def test_an_interrupt_ends_cleanly_and_goes_on_later(tmp_path, number):
     program.send_signal(number)
     out, err = program.communicate(timeout=10)
     assert (program.returncode, err) == (130, "")
-    assert out == f"stopped: {len(read(folder).records)} of 60 runs are done and kept; " \
-                  "run again to go on\n"
+    assert (
+        out == f"stopped: {len(read(folder).records)} of 60 runs are done and kept; "
+        "run again to go on\n"
+    )
     resume(log, folder)
 
 
@@ -386,10 +473,20 @@ def children(pid):
 def test_ctrl_c_while_workers_start_leaves_no_tracebacks(tmp_path, delay):
     """A terminal sends Ctrl-C to all processes of the group, newborn workers included."""
     script = tmp_path / "program.py"
-    script.write_text(PROGRAM.format(tests=str(Path(misbehaving.__file__).parent),
-                                     diary=str(tmp_path / "diary"), journal=str(tmp_path / "j")))
-    program = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE, text=True, start_new_session=True)
+    script.write_text(
+        PROGRAM.format(
+            tests=str(Path(misbehaving.__file__).parent),
+            diary=str(tmp_path / "diary"),
+            journal=str(tmp_path / "j"),
+        )
+    )
+    program = subprocess.Popen(
+        [sys.executable, str(script)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
     assert wait_until(lambda: len(children(program.pid)) >= 2, 30.0)
     time.sleep(delay)
     os.killpg(program.pid, signal.SIGINT)
@@ -400,9 +497,13 @@ def test_ctrl_c_while_workers_start_leaves_no_tracebacks(tmp_path, delay):
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
 def test_kill_9_of_the_parent_ends_programs_that_runs_started(tmp_path):
     script, log = tmp_path / "program.py", tmp_path / "pid"
-    script.write_text(PROGRAM.format(tests=str(Path(misbehaving.__file__).parent), diary=str(log),
-                                     journal=str(tmp_path / "j"))
-                      .replace("np.arange(60.0)}", "[1.0], 'way': ['child']}"))
+    script.write_text(
+        PROGRAM.format(
+            tests=str(Path(misbehaving.__file__).parent),
+            diary=str(log),
+            journal=str(tmp_path / "j"),
+        ).replace("np.arange(60.0)}", "[1.0], 'way': ['child']}")
+    )
     program = subprocess.Popen([sys.executable, str(script)])
     assert wait_until(lambda: log.exists() and log.read_text().isdigit(), 30.0)
     program.kill()

@@ -27,8 +27,13 @@ def runs(n=50, seed=0, noise=0.1):
 
 
 def fits_of(models, outputs):
-    return {name: {output: fit(SPACE, *data, model, surrogate=name, output=output)
-                   for output, data in outputs.items()} for name, model in models.items()}
+    return {
+        name: {
+            output: fit(SPACE, *data, model, surrogate=name, output=output)
+            for output, data in outputs.items()
+        }
+        for name, model in models.items()
+    }
 
 
 def test_columns_by_definition():
@@ -41,11 +46,14 @@ def test_columns_by_definition():
     error = y - one.predict(x)
     left_out = one.values - one.left_out
     low, high = one.interval(x)
-    expected = {"q2_cv": 1 - (left_out**2).sum() / ((one.values - one.values.mean())**2).sum(),
-                "rmse_cv": np.sqrt((left_out**2).mean()), "rmse_test": np.sqrt((error**2).mean()),
-                "q2_test": 1 - (error**2).sum() / ((y - y.mean())**2).sum(),
-                "max_error_test": np.abs(error).max(),
-                "coverage_95": ((low < y) & (y < high)).mean()}
+    expected = {
+        "q2_cv": 1 - (left_out**2).sum() / ((one.values - one.values.mean()) ** 2).sum(),
+        "rmse_cv": np.sqrt((left_out**2).mean()),
+        "rmse_test": np.sqrt((error**2).mean()),
+        "q2_test": 1 - (error**2).sum() / ((y - y.mean()) ** 2).sum(),
+        "max_error_test": np.abs(error).max(),
+        "coverage_95": ((low < y) & (y < high)).mean(),
+    }
     for name, value in expected.items():
         assert float(row[name]) == pytest.approx(value, rel=1e-12), name
     assert (row["fit_seconds"] > 0) and (row["predict_seconds"] > 0)
@@ -65,8 +73,12 @@ def test_paired_test_by_hand():
     """Nadeau and Bengio 2003, equation 15, for ten folds of five among fifty runs."""
     fits = fits_of(MODELS, {"y": runs()})
     a, b = fits["linear"]["y"], fits["quadratic"]["y"]
-    d = np.array([np.mean(((a.values - a.left_out) ** 2 - (b.values - b.left_out) ** 2)
-                          [a.folds == k]) for k in range(10)])
+    d = np.array(
+        [
+            np.mean(((a.values - a.left_out) ** 2 - (b.values - b.left_out) ** 2)[a.folds == k])
+            for k in range(10)
+        ]
+    )
     t = d.mean() / np.sqrt((1 / 10 + 5 / 45) * d.var(ddof=1))
     assert paired_test(a, b) == pytest.approx(2 * stats.t.sf(abs(t), 9), rel=1e-12)
 
@@ -87,11 +99,14 @@ def test_equally_good_surrogates_are_rarely_told_apart():
 def test_calibration_of_noise():
     """Coverage of the true model follows the level: 50, 80, 90, 95, 99 %."""
     data, test = runs(200, noise=1.0), runs(2000, seed=5, noise=1.0)
-    table = compare(fits_of({"quadratic": Quadratic(), "forest": RandomForestRegressor(30)},
-                            {"y": data}), {"y": test})
+    table = compare(
+        fits_of({"quadratic": Quadratic(), "forest": RandomForestRegressor(30)}, {"y": data}),
+        {"y": test},
+    )
     for name in ("quadratic", "forest"):
-        np.testing.assert_allclose(table["coverage"].sel(surrogate=name, output="y"),
-                                   table["level"], atol=0.06)
+        np.testing.assert_allclose(
+            table["coverage"].sel(surrogate=name, output="y"), table["level"], atol=0.06
+        )
 
 
 def test_best_of_each_output_and_overall():
@@ -99,8 +114,11 @@ def test_best_of_each_output_and_overall():
     rng = np.random.default_rng(0)
     plane = x @ [1.0, 2.0, 3.0] + 0.5 * rng.normal(size=60)
     bowl = 10 * x[:, 0] ** 2 + 10 * x[:, 1] ** 2 + 0.1 * rng.normal(size=60)
-    table = compare(fits_of({"linear": Linear(), "quadratic": Quadratic()},
-                            {"plane": (x, plane), "bowl": (x, bowl)}))
+    table = compare(
+        fits_of(
+            {"linear": Linear(), "quadratic": Quadratic()}, {"plane": (x, plane), "bowl": (x, bowl)}
+        )
+    )
     assert best(table) == {"plane": "linear", "bowl": "quadratic"}
     assert table.attrs["best"] == "quadratic"
 
@@ -130,12 +148,19 @@ def test_saturated_surrogates_are_chosen_by_the_test_design():
 
 def test_nested_polynomials_are_tested_pair_by_pair():
     """Three nested models are three pairs; squares explain, interactions with b do not."""
-    models = {"linear": Linear(), "gp": GaussianProcess(), "quadratic": Quadratic(),
-              "interactions": Interactions()}
+    models = {
+        "linear": Linear(),
+        "gp": GaussianProcess(),
+        "quadratic": Quadratic(),
+        "interactions": Interactions(),
+    }
     fits = fits_of(models, {"y": runs()})
     found = {(one.smaller, one.larger): one for one in nested_tests(fits)}
-    assert set(found) == {("linear", "interactions"), ("linear", "quadratic"),
-                          ("interactions", "quadratic")}
+    assert set(found) == {
+        ("linear", "interactions"),
+        ("linear", "quadratic"),
+        ("interactions", "quadratic"),
+    }
     one = found["linear", "quadratic"]
     sse = [fits[name]["y"].estimator.model_.sse for name in ("linear", "quadratic")]
     assert one.test.f == pytest.approx((sse[0] - sse[1]) / 6 / (sse[1] / 40), rel=1e-10)
@@ -167,8 +192,10 @@ def test_surrogates_of_different_runs_are_judged_on_runs_that_neither_has_seen()
     """
     corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1], [0, 0, 0]], float)
     plane = corners @ [1.0, 0.5, -0.3]
-    fits = {"few": {"y": fit(SPACE, corners, plane, Linear(), surrogate="few", output="y")},
-            **fits_of({"quadratic": Quadratic()}, {"y": runs()})}
+    fits = {
+        "few": {"y": fit(SPACE, corners, plane, Linear(), surrogate="few", output="y")},
+        **fits_of({"quadratic": Quadratic()}, {"y": runs()}),
+    }
     for test in ({"y": runs(30, seed=9)}, None):
         table = compare(fits, test)
         assert float(table["q2_cv"].sel(surrogate="few", output="y")) > 0.999

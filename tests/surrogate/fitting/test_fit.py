@@ -30,10 +30,19 @@ def sample(space=NUMERIC, n=40, seed=0, noise=0.1):
     return x, 1 + 2 * x[:, 0] - x[:, 1] + x[:, 0] ** 2 + noise * rng.normal(size=n)
 
 
-@pytest.mark.parametrize("estimator", [
-    Linear(), Quadratic(), LinearRegression(), RandomForestRegressor(n_estimators=20),
-    make_pipeline(StandardScaler(), SVR()), make_pipeline(StandardScaler(), BayesianRidge()),
-    KNeighborsRegressor(3)], ids=lambda e: type(e).__name__)
+@pytest.mark.parametrize(
+    "estimator",
+    [
+        Linear(),
+        Quadratic(),
+        LinearRegression(),
+        RandomForestRegressor(n_estimators=20),
+        make_pipeline(StandardScaler(), SVR()),
+        make_pipeline(StandardScaler(), BayesianRidge()),
+        KNeighborsRegressor(3),
+    ],
+    ids=lambda e: type(e).__name__,
+)
 @pytest.mark.parametrize("space", [NUMERIC, LEVELS], ids=["numeric", "levels"])
 def test_any_estimator(estimator, space):
     """Every scikit-learn regressor fits, predicts with intervals, and repeats itself."""
@@ -52,12 +61,10 @@ def test_closed_form_left_out_predictions_equal_scikit_learn_refits():
     """Linear's closed-form ten folds are those of cross_val_predict on the same folds."""
     x, y = sample()
     ours = fit(NUMERIC, x, y, Linear())
-    splits = [(np.flatnonzero(ours.folds != k), np.flatnonzero(ours.folds == k))
-              for k in range(10)]
+    splits = [(np.flatnonzero(ours.folds != k), np.flatnonzero(ours.folds == k)) for k in range(10)]
     theirs = cross_val_predict(LinearRegression(), x, y, cv=splits)
     np.testing.assert_allclose(ours.left_out, theirs, atol=1e-12)
-    np.testing.assert_allclose(fit(NUMERIC, x, y, LinearRegression()).left_out, theirs,
-                               atol=1e-12)
+    np.testing.assert_allclose(fit(NUMERIC, x, y, LinearRegression()).left_out, theirs, atol=1e-12)
 
 
 def test_folds_are_balanced_shared_and_fixed_by_the_seed():
@@ -128,8 +135,9 @@ def test_intervals_of_a_field_of_one_mode_are_those_of_its_scalar():
     shape = np.array([1.0, 2.0, -0.5])
     low, high = fit(NUMERIC, x, y[:, None] * shape, Linear()).interval(x)
     scalar_low, scalar_high = fit(NUMERIC, x, y, Linear()).interval(x)
-    np.testing.assert_allclose(high - low, (scalar_high - scalar_low)[:, None] * np.abs(shape),
-                               rtol=1e-9)
+    np.testing.assert_allclose(
+        high - low, (scalar_high - scalar_low)[:, None] * np.abs(shape), rtol=1e-9
+    )
 
 
 def test_field_truncation_error_is_the_share_left_out():
@@ -175,11 +183,15 @@ def test_memory_stays_bounded():
     assert peak < 40e6  # 8 MB of results and chunks
 
 
-@pytest.mark.parametrize(("break_it", "message"), [
-    (lambda x, y: (x[:3], y[:3]), "needs at least 7 runs in 3 parameters but 'y' has 3"),
-    (lambda x, y: (x, np.where(y > 1, np.nan, y)), "not finite"),
-    (lambda x, y: (x[:, :2], y), "do not fit 3 parameters"),
-    (lambda x, y: (x[:20], y), "20 points but 40 values")])
+@pytest.mark.parametrize(
+    ("break_it", "message"),
+    [
+        (lambda x, y: (x[:3], y[:3]), "needs at least 7 runs in 3 parameters but 'y' has 3"),
+        (lambda x, y: (x, np.where(y > 1, np.nan, y)), "not finite"),
+        (lambda x, y: (x[:, :2], y), "do not fit 3 parameters"),
+        (lambda x, y: (x[:20], y), "20 points but 40 values"),
+    ],
+)
 def test_bad_data_is_refused_with_a_sentence(break_it, message):
     with pytest.raises(FitError, match=message):
         fit(NUMERIC, *break_it(*sample()), Interactions(), surrogate="s", output="y")

@@ -13,13 +13,20 @@ from surrogate.regressors.polynomial import Quadratic
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 
-LAWS = {"uniform": uniform(2, 5),
-        "normal": distribution("normal", mean=0, std=1),
-        "truncated": distribution("normal", mean=1, std=1, range=(-2, 2)),
-        "triangular": distribution("triangular", mode=0.2, range=(0, 1)),
-        "beta": distribution("beta", a=2, b=5, range=(0, 1))}
-MIXED = Space((Parameter("t", LAWS["truncated"]), Parameter("cloth", levels=("p", "q", "r")),
-               Parameter("u", LAWS["triangular"])))
+LAWS = {
+    "uniform": uniform(2, 5),
+    "normal": distribution("normal", mean=0, std=1),
+    "truncated": distribution("normal", mean=1, std=1, range=(-2, 2)),
+    "triangular": distribution("triangular", mode=0.2, range=(0, 1)),
+    "beta": distribution("beta", a=2, b=5, range=(0, 1)),
+}
+MIXED = Space(
+    (
+        Parameter("t", LAWS["truncated"]),
+        Parameter("cloth", levels=("p", "q", "r")),
+        Parameter("u", LAWS["triangular"]),
+    )
+)
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -35,8 +42,9 @@ def test_uniform_polynomials_are_legendres():
     """P_n is sqrt(2 n + 1) times Legendre's polynomial."""
     x = np.linspace(-1, 1, 31)
     legendre = np.polynomial.legendre.legvander(x, 6) * np.sqrt(2 * np.arange(7) + 1)
-    np.testing.assert_allclose(basis(Parameter("x", uniform(0, 3)), 6).values(x), legendre.T,
-                               atol=1e-12)
+    np.testing.assert_allclose(
+        basis(Parameter("x", uniform(0, 3)), 6).values(x), legendre.T, atol=1e-12
+    )
     np.testing.assert_allclose(basis(None, 6).values(x), legendre.T, atol=1e-12)
 
 
@@ -59,9 +67,12 @@ def test_pursuit_is_forward_least_squares():
     matrix, y = np.column_stack([np.ones(30), rng.normal(size=(30, 12))]), rng.normal(size=30)
     order = pursue(matrix, y, 6)
     for k in range(1, 6):
-        left = [np.inf if j in order[:k] else
-                np.linalg.lstsq(matrix[:, [*order[:k], j]], y, rcond=None)[1][0]
-                for j in range(13)]
+        left = [
+            np.inf
+            if j in order[:k]
+            else np.linalg.lstsq(matrix[:, [*order[:k], j]], y, rcond=None)[1][0]
+            for j in range(13)
+        ]
         assert order[k] == int(np.argmin(left))
 
 

@@ -19,8 +19,9 @@ def test_indices_of_a_field_are_those_of_its_places_weighted_by_variance():
     places = np.linspace(0.0, 3.0, 17)
     space = Space(tuple(Parameter(name, uniform(-1.0, 1.0)) for name in ("x1", "x2", "x3")))
     coded = space.sample(60, seed=4)
-    values = np.outer(coded[:, 0], np.sin(places)) + \
-        2.0 * np.outer(coded[:, 1] * coded[:, 2], np.cos(places))
+    values = np.outer(coded[:, 0], np.sin(places)) + 2.0 * np.outer(
+        coded[:, 1] * coded[:, 2], np.cos(places)
+    )
     fitted = fit(space, coded, values, Interactions())
     first, product = (np.sin(places) ** 2).sum() / 3.0, 4.0 * (np.cos(places) ** 2).sum() / 9.0
     indices = fitted.estimator.sobol_indices()
@@ -38,8 +39,7 @@ def test_drawn_fields_scatter_as_the_field_says():
     values = np.sin(np.outer(1.0 + coded[:, 0], 2.0 * places)) + coded[:, 1:] * places**2
     estimator = fit(space, coded, values, GaussianProcess()).estimator
     point = np.array([[0.9, -0.8]])
-    draws = np.stack([draw.predict(point)[0]
-                      for draw in estimator.posterior_draws(2000, seed=1)])
+    draws = np.stack([draw.predict(point)[0] for draw in estimator.posterior_draws(2000, seed=1)])
     mean, std = estimator.predict(point, return_std=True)
     own = np.sqrt(np.maximum(std[0] ** 2 - estimator.left_out_**2, 0.0))
     freedom = estimator.interval_freedom

@@ -27,8 +27,9 @@ def design(n=40, d=3, seed=0):
 def test_one_dimensional_correlation_is_scikit_learns():
     """In one column the product form is the Matern 5/2 kernel."""
     a, b = design(9, 1), design(7, 1, seed=1)
-    np.testing.assert_allclose(matern.correlation(a, b, np.array([0.7])),
-                               Matern(0.7, nu=2.5)(a, b), rtol=1e-13)
+    np.testing.assert_allclose(
+        matern.correlation(a, b, np.array([0.7])), Matern(0.7, nu=2.5)(a, b), rtol=1e-13
+    )
 
 
 @pytest.mark.parametrize("trend", [1, 4])
@@ -51,9 +52,11 @@ def test_prediction_in_one_dimension_equals_scikit_learn():
     x = design(15, 1)
     y = np.sin(3 * x[:, 0])
     ours = GaussianProcess(nugget=1e-4).fit(x, y)
-    kernel = (ConstantKernel(1e5, "fixed") + ConstantKernel(ours.state_.variance, "fixed")
-              * Matern(ours.lengths_[0], "fixed", nu=2.5)
-              + WhiteKernel(ours.state_.variance * 1e-4, "fixed"))
+    kernel = (
+        ConstantKernel(1e5, "fixed")
+        + ConstantKernel(ours.state_.variance, "fixed") * Matern(ours.lengths_[0], "fixed", nu=2.5)
+        + WhiteKernel(ours.state_.variance * 1e-4, "fixed")
+    )
     theirs = GaussianProcessRegressor(kernel, optimizer=None, normalize_y=True).fit(x, y)
     new = design(50, 1, seed=3)
     mean, std = ours.predict(new, return_std=True)
@@ -108,7 +111,8 @@ def test_leave_out_estimates_lengths_anew():
     start = fitted.logs_
     other.logs_ = start
     assert other.leave_out(np.arange(20))[3] == pytest.approx(
-        fitted.leave_out(np.arange(20))[3], abs=1e-3)
+        fitted.leave_out(np.arange(20))[3], abs=1e-3
+    )
 
 
 def test_linear_trend_meets_a_plane_exactly():
@@ -146,10 +150,20 @@ def test_intervals_cover_paths_of_the_process_itself():
     assert np.mean(inside) == pytest.approx(0.95, abs=0.035)
 
 
-@pytest.mark.parametrize("space", [
-    NUMERIC, Space((NUMERIC.parameters[0], Parameter("cloth", levels=("p", "q", "r")),
-                    Parameter("t", distribution("normal", mean=0, std=1, range=(-2, 3)))))],
-    ids=["uniform", "mixed"])
+@pytest.mark.parametrize(
+    "space",
+    [
+        NUMERIC,
+        Space(
+            (
+                NUMERIC.parameters[0],
+                Parameter("cloth", levels=("p", "q", "r")),
+                Parameter("t", distribution("normal", mean=0, std=1, range=(-2, 3))),
+            )
+        ),
+    ],
+    ids=["uniform", "mixed"],
+)
 @pytest.mark.parametrize("trend", ["constant", "linear"])
 def test_indices_against_sampling(space, trend):
     """Exact indices of the mean against a pick-freeze estimate on 2^17 Sobol' points."""
@@ -189,8 +203,12 @@ def test_indices_in_two_dimensions_against_adaptive_quadrature():
     assert exact.first_order[0] == pytest.approx(w @ (f @ w - mean) ** 2 / variance, rel=1e-8)
     assert exact.first_order[1] == pytest.approx(w @ (w @ f - mean) ** 2 / variance, rel=1e-8)
     assert exact.total[0] == pytest.approx(1 - exact.first_order[1], rel=1e-8)
-    conditional = [integrate.quad(lambda t, s=s: fitted.predict([[s, t]])[0] / 2, -1, 1,
-                                  points=sorted(x[:, 1]), limit=200)[0] for s in nodes[::50]]
+    conditional = [
+        integrate.quad(
+            lambda t, s=s: fitted.predict([[s, t]])[0] / 2, -1, 1, points=sorted(x[:, 1]), limit=200
+        )[0]
+        for s in nodes[::50]
+    ]
     np.testing.assert_allclose(f[::50] @ w, conditional, rtol=1e-9)
 
 
@@ -227,9 +245,14 @@ def test_same_seed_same_numbers():
     np.testing.assert_array_equal(first, second)
 
 
-@pytest.mark.parametrize(("options", "message"), [
-    ({"trend": "lineer"}, "did you mean 'linear'"), ({"nugget": -1.0}, "above 0"),
-    ({"trend": "linear"}, "cannot determine a linear trend")])
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"trend": "lineer"}, "did you mean 'linear'"),
+        ({"nugget": -1.0}, "above 0"),
+        ({"trend": "linear"}, "cannot determine a linear trend"),
+    ],
+)
 def test_bad_options(options, message):
     x = design(4)
     with pytest.raises(ValueError, match=message):

@@ -11,8 +11,13 @@ from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 
 NUMERIC = Space(tuple(Parameter(name, uniform(0, 1)) for name in "abcde"))
-MIXED = Space((Parameter("a", uniform(0, 1)), Parameter("cloth", levels=("p", "q", "r")),
-               Parameter("t", distribution("normal", mean=0, std=1, range=(-2, 3)))))
+MIXED = Space(
+    (
+        Parameter("a", uniform(0, 1)),
+        Parameter("cloth", levels=("p", "q", "r")),
+        Parameter("t", distribution("normal", mean=0, std=1, range=(-2, 3))),
+    )
+)
 
 
 def fitted(space=NUMERIC, n=40, **options):
@@ -52,8 +57,9 @@ def test_covariance_between_points_is_that_of_the_process():
     covariance = kk - k @ inverse @ k.T + rest @ rest.T / (one.T @ inverse @ one)
     deviation = np.sqrt(np.diag(covariance))
     drawn = paths.draw(process, 4000, 1).predict(new, slice(None))
-    np.testing.assert_allclose(np.corrcoef(drawn), covariance / np.outer(deviation, deviation),
-                               atol=0.09)
+    np.testing.assert_allclose(
+        np.corrcoef(drawn), covariance / np.outer(deviation, deviation), atol=0.09
+    )
 
 
 def test_paths_pass_through_noise_free_runs():
@@ -77,10 +83,12 @@ def test_indices_of_a_path_against_sampling():
         mixed = a.copy()
         mixed[:, i] = b[:, i]
         f_mixed = draw.predict(mixed)
-        assert exact.total[i] == pytest.approx(((f_a - f_mixed)**2).mean() / 2 / variance,
-                                               abs=4e-3)
-        assert exact.first_order[i] == pytest.approx((f_b * (f_mixed - f_a)).mean() / variance,
-                                                     abs=5e-3)
+        assert exact.total[i] == pytest.approx(
+            ((f_a - f_mixed) ** 2).mean() / 2 / variance, abs=4e-3
+        )
+        assert exact.first_order[i] == pytest.approx(
+            (f_b * (f_mixed - f_a)).mean() / variance, abs=5e-3
+        )
 
 
 def test_intervals_of_indices_shrink_with_runs_and_hold_the_truth():
@@ -89,8 +97,9 @@ def test_intervals_of_indices_shrink_with_runs_and_hold_the_truth():
     for n in (8, 30):
         x = 2 * qmc.LatinHypercube(2, seed=1).random(n) - 1
         process = GaussianProcess().fit(x, x[:, 0] + x[:, 1] ** 2)
-        first = [draw.sobol_indices().first_order[0]
-                 for draw in process.posterior_draws(60, seed=0)]
+        first = [
+            draw.sobol_indices().first_order[0] for draw in process.posterior_draws(60, seed=0)
+        ]
         spreads.append(np.std(first))
         assert abs(process.sobol_indices().first_order[0] - 15 / 19) < 4 * spreads[-1] + 1e-3
     assert spreads[1] < spreads[0] / 3
@@ -98,8 +107,9 @@ def test_intervals_of_indices_shrink_with_runs_and_hold_the_truth():
 
 def test_same_seed_same_paths():
     process, x, _ = fitted()
-    first, again, other = (process.posterior_draws(3, seed=seed)[1].predict(x[:4] * 0.9)
-                           for seed in (1, 1, 2))
+    first, again, other = (
+        process.posterior_draws(3, seed=seed)[1].predict(x[:4] * 0.9) for seed in (1, 1, 2)
+    )
     np.testing.assert_array_equal(first, again)
     assert (first != other).any()
 

@@ -9,24 +9,39 @@ from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 
-MIXED = Space((Parameter("tension", uniform(0.05, 0.14), unit="N/mm"),
-               Parameter("bandage", levels=("a", "b", "c")),
-               Parameter("mu", distribution("normal", mean=0.2, std=0.05))))
+MIXED = Space(
+    (
+        Parameter("tension", uniform(0.05, 0.14), unit="N/mm"),
+        Parameter("bandage", levels=("a", "b", "c")),
+        Parameter("mu", distribution("normal", mean=0.2, std=0.05)),
+    )
+)
 NUMERIC = Space((Parameter("tension", uniform(0, 1)), Parameter("mu", uniform(0, 1))))
 
 #: Chassagne et al. 2018, Table III: mmHg for each coded unit, and the indices that follow.
-TABLE_3 = {"mu_skin": 2.7, "tension": 11.54, "leg_length": 2.85, "alpha1": 4.54, "alpha2": 3.92,
-           "alpha3": -1.74, "alpha4": -0.51}
+TABLE_3 = {
+    "mu_skin": 2.7,
+    "tension": 11.54,
+    "leg_length": 2.85,
+    "alpha1": 4.54,
+    "alpha2": 3.92,
+    "alpha3": -1.74,
+    "alpha4": -0.51,
+}
 
 
 def points(space, n=60, seed=1):
     return space.sample(n, seed=seed)
 
 
-@pytest.mark.parametrize(("model", "names"), [
-    (Linear, ["1", "tension", "mu"]),
-    (Interactions, ["1", "tension", "mu", "tension:mu"]),
-    (Quadratic, ["1", "tension", "mu", "tension:mu", "tension^2", "mu^2"])])
+@pytest.mark.parametrize(
+    ("model", "names"),
+    [
+        (Linear, ["1", "tension", "mu"]),
+        (Interactions, ["1", "tension", "mu", "tension:mu"]),
+        (Quadratic, ["1", "tension", "mu", "tension:mu", "tension^2", "mu^2"]),
+    ],
+)
 def test_term_names(model, names):
     x = points(NUMERIC)
     assert list(model(NUMERIC).fit(x, x[:, 0]).model_.names) == names
@@ -38,9 +53,19 @@ def test_categorical_terms_are_effect_coded_and_never_squared():
     x = points(MIXED)
     fitted = Quadratic(MIXED).fit(x, x[:, 0])
     assert list(fitted.model_.names) == [
-        "1", "tension", "bandage[b]", "bandage[c]", "mu", "tension:bandage[b]",
-        "tension:bandage[c]", "tension:mu", "bandage[b]:mu", "bandage[c]:mu",
-        "tension^2", "mu^2"]
+        "1",
+        "tension",
+        "bandage[b]",
+        "bandage[c]",
+        "mu",
+        "tension:bandage[b]",
+        "tension:bandage[c]",
+        "tension:mu",
+        "bandage[b]:mu",
+        "bandage[c]:mu",
+        "tension^2",
+        "mu^2",
+    ]
     assert fitted.minimum_runs(MIXED) == 12
 
 
@@ -82,8 +107,11 @@ def test_indices_of_the_linear_model_of_chassagne_2018():
     indices = Linear(space).fit(x, 32.73 + x @ beta).sobol_indices()
     np.testing.assert_allclose(indices.first_order, beta**2 / (beta**2).sum(), atol=1e-12)
     np.testing.assert_allclose(indices.total, indices.first_order, atol=1e-12)
-    np.testing.assert_allclose(indices.first_order, [0.038808, 0.708926, 0.043239, 0.109724,
-                                                     0.081802, 0.016117, 0.001385], atol=5e-7)
+    np.testing.assert_allclose(
+        indices.first_order,
+        [0.038808, 0.708926, 0.043239, 0.109724, 0.081802, 0.016117, 0.001385],
+        atol=5e-7,
+    )
     assert indices.variance == pytest.approx((beta**2).sum() / 3)
     assert indices.mean == pytest.approx(32.73)
 
@@ -97,8 +125,9 @@ def test_indices_of_a_quadratic():
     assert indices.variance == pytest.approx(parts.sum(), rel=1e-12)
     np.testing.assert_allclose(indices.first_order, parts[:2] / parts.sum(), rtol=1e-11)
     np.testing.assert_allclose(indices.total, (parts[:2] + 1) / parts.sum(), rtol=1e-11)
-    np.testing.assert_allclose(indices.second_order, [[0, 1 / parts.sum()], [1 / parts.sum(), 0]],
-                               rtol=1e-11, atol=1e-14)
+    np.testing.assert_allclose(
+        indices.second_order, [[0, 1 / parts.sum()], [1 / parts.sum(), 0]], rtol=1e-11, atol=1e-14
+    )
 
 
 def test_no_indices_for_correlated_inputs():

@@ -15,12 +15,15 @@ from surrogate.regressors.selection import Stepwise
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 
-SPACE = Space((
-    Parameter("tension", uniform(0.05, 0.14), unit="N/mm"),
-    Parameter("cloth", levels=("p", "q", "r")),
-    Parameter("c10", distribution("normal", mean=5, std=1), unit="kPa"),
-    Parameter("t", distribution("lognormal", mean=2, std=0.4)),
-    Parameter("nu", distribution("normal", mean=0.3, std=0.1, range=(0.1, 0.4)))))
+SPACE = Space(
+    (
+        Parameter("tension", uniform(0.05, 0.14), unit="N/mm"),
+        Parameter("cloth", levels=("p", "q", "r")),
+        Parameter("c10", distribution("normal", mean=5, std=1), unit="kPa"),
+        Parameter("t", distribution("lognormal", mean=2, std=0.4)),
+        Parameter("nu", distribution("normal", mean=0.3, std=0.1, range=(0.1, 0.4))),
+    )
+)
 
 
 def coded(document, physical):
@@ -47,8 +50,9 @@ def column(spec, x):
 
 
 def powers(terms, c):
-    return sum(term["coefficient"] * math.prod(c[j] ** q for j, q in term["powers"])
-               for term in terms)
+    return sum(
+        term["coefficient"] * math.prod(c[j] ** q for j, q in term["powers"]) for term in terms
+    )
 
 
 def polynomial(model, x):
@@ -60,15 +64,19 @@ def orthonormal(base, degree, x):
         return base["values"][degree][round((x + 1) * (base["levels"] - 1) / 2)]
     before, now = 0.0, 1.0
     for k in range(degree):
-        before, now = now, ((x - base["alpha"][k]) * now - base["beta"][k] * before
-                            ) / base["beta"][k + 1]
+        before, now = (
+            now,
+            ((x - base["alpha"][k]) * now - base["beta"][k] * before) / base["beta"][k + 1],
+        )
     return now
 
 
 def chaos(model, x):
-    return sum(term["coefficient"] * math.prod(orthonormal(model["bases"][i], q, x[i])
-                                               for i, q in term["degrees"])
-               for term in model["terms"])
+    return sum(
+        term["coefficient"]
+        * math.prod(orthonormal(model["bases"][i], q, x[i]) for i, q in term["degrees"])
+        for term in model["terms"]
+    )
 
 
 def gaussian_process(model, x):
@@ -84,22 +92,38 @@ def gaussian_process(model, x):
 
 def field(model, x):
     amplitudes = [evaluate(one, x) for one in model["amplitudes"]]
-    return [mean + sum(a * mode[i] for a, mode in zip(amplitudes, model["modes"], strict=True))
-            for i, mean in enumerate(model["mean"])]
+    return [
+        mean + sum(a * mode[i] for a, mode in zip(amplitudes, model["modes"], strict=True))
+        for i, mean in enumerate(model["mean"])
+    ]
 
 
 def evaluate(model, x):
-    return {"polynomial": polynomial, "chaos": chaos, "gaussian_process": gaussian_process,
-            "field": field}[model["kind"]](model, x)
+    return {
+        "polynomial": polynomial,
+        "chaos": chaos,
+        "gaussian_process": gaussian_process,
+        "field": field,
+    }[model["kind"]](model, x)
 
 
 def truth(x):
     return 40 + 5 * x[:, 0] + np.where(x[:, 1] == 0, 3.0, 0) * x[:, 2] + np.sin(x[:, 3]) * x[:, 4]
 
 
-@pytest.mark.parametrize("estimator", [
-    Linear(), Interactions(), Quadratic(), Stepwise(), PolynomialChaos(), GaussianProcess(),
-    GaussianProcess(trend="linear")], ids=str)
+@pytest.mark.parametrize(
+    "estimator",
+    [
+        Linear(),
+        Interactions(),
+        Quadratic(),
+        Stepwise(),
+        PolynomialChaos(),
+        GaussianProcess(),
+        GaussianProcess(trend="linear"),
+    ],
+    ids=str,
+)
 @pytest.mark.parametrize("output", ["scalar", "field"])
 def test_plain_python_reproduces_predictions(estimator, output):
     """The JSON document and the format's description suffice, to 1e-10 of the values."""

@@ -16,22 +16,28 @@ FACTS = json.loads((Path(__file__).parents[2] / "reference/regression.json").rea
 def second_order(x1, x2, *more):
     """Columns and names of a full second-order model in two coded factors."""
     names = ["1", *(name for name, _ in more), "x1", "x2", "x1:x2", "x1^2", "x2^2"]
-    return np.column_stack([np.ones_like(x1), *(column for _, column in more),
-                            x1, x2, x1 * x2, x1**2, x2**2]), names
+    return np.column_stack(
+        [np.ones_like(x1), *(column for _, column in more), x1, x2, x1 * x2, x1**2, x2**2]
+    ), names
 
 
 def chemreact():
-    data = {name: np.array(column, dtype=float)
-            for name, column in FACTS["chemreact"]["data"].items() if name != "coding"}
-    matrix, names = second_order((data["Time"] - 85) / 5, (data["Temp"] - 175) / 5,
-                                 ("Block2", data["Block"] - 1))
+    data = {
+        name: np.array(column, dtype=float)
+        for name, column in FACTS["chemreact"]["data"].items()
+        if name != "coding"
+    }
+    matrix, names = second_order(
+        (data["Time"] - 85) / 5, (data["Temp"] - 175) / 5, ("Block2", data["Block"] - 1)
+    )
     return regression.least_squares(matrix, data["Yield"], names)
 
 
 def uniformity():
     data = FACTS["uniformity"]["data"]
-    matrix, names = second_order((np.array(data["pressure"]) - 42) / 38,
-                                 (np.array(data["h2_wf6"]) - 6) / 4)
+    matrix, names = second_order(
+        (np.array(data["pressure"]) - 42) / 38, (np.array(data["h2_wf6"]) - 6) / 4
+    )
     return regression.least_squares(matrix, data["uniformity"], names)
 
 
@@ -39,13 +45,22 @@ PUBLISHED = [("chemreact", chemreact), ("uniformity", uniformity)]
 
 
 @pytest.mark.parametrize(("name", "build"), PUBLISHED)
-@pytest.mark.parametrize(("column", "key"), [("coefficient", "coef"), ("standard_error", "se"),
-                                             ("t", "t"), ("p", "pvalue"), ("vif", "vif")])
+@pytest.mark.parametrize(
+    ("column", "key"),
+    [
+        ("coefficient", "coef"),
+        ("standard_error", "se"),
+        ("t", "t"),
+        ("p", "pvalue"),
+        ("vif", "vif"),
+    ],
+)
 def test_coefficient_table_equals_the_published_one(name, build, column, key):
     """Lenth 2009 (rsm, ChemReact) and NIST e-Handbook 5.4.7.3 (uniformity), column by column."""
     table = regression.table(build())
-    published = {("1" if term == "Intercept" else term): value
-                 for term, value in FACTS[name][key].items()}
+    published = {
+        ("1" if term == "Intercept" else term): value for term, value in FACTS[name][key].items()
+    }
     ours = table[column].sel(term=list(published)).values
     np.testing.assert_allclose(ours, list(published.values()), rtol=1e-8)
 
@@ -55,12 +70,22 @@ def test_summary_equals_the_published_one(name, build):
     """R2, F, PRESS, Q2, AICc and the lack-of-fit test of the same two tables."""
     table, facts = regression.table(build()), FACTS[name]
     lack = facts["lack_of_fit"]
-    expected = {"r2": facts["r2"], "r2_adjusted": facts["r2_adj"],
-                "residual_sd": facts["resid_sd"], "f": facts["f"], "f_p": facts["f_pvalue"],
-                "sse": facts["sse"], "press": facts["press"], "q2": facts["q2_loo"],
-                "aicc": facts["aicc(k=p+1 incl sigma)"], "pure_error": lack["ss_pe"],
-                "lack_of_fit_f": lack["F"], "lack_of_fit_p": lack["p"],
-                "df_lack_of_fit": lack["df_lof"], "df_pure_error": lack["df_pe"]}
+    expected = {
+        "r2": facts["r2"],
+        "r2_adjusted": facts["r2_adj"],
+        "residual_sd": facts["resid_sd"],
+        "f": facts["f"],
+        "f_p": facts["f_pvalue"],
+        "sse": facts["sse"],
+        "press": facts["press"],
+        "q2": facts["q2_loo"],
+        "aicc": facts["aicc(k=p+1 incl sigma)"],
+        "pure_error": lack["ss_pe"],
+        "lack_of_fit_f": lack["F"],
+        "lack_of_fit_p": lack["p"],
+        "df_lack_of_fit": lack["df_lof"],
+        "df_pure_error": lack["df_pe"],
+    }
     for key, value in expected.items():
         assert float(table[key]) == pytest.approx(value, rel=1e-9), key
 
@@ -69,9 +94,12 @@ def test_summary_equals_the_published_one(name, build):
 def test_run_diagnostics_equal_the_published_ones(name, build):
     """Leverage, Cook's distance and both studentised residuals of the same two tables."""
     table = regression.table(build())
-    for ours, key in [("leverage", "leverage"), ("cooks_distance", "cooks_distance"),
-                      ("studentised", "rstudent_internal"),
-                      ("studentised_external", "rstudent_external")]:
+    for ours, key in [
+        ("leverage", "leverage"),
+        ("cooks_distance", "cooks_distance"),
+        ("studentised", "rstudent_internal"),
+        ("studentised_external", "rstudent_external"),
+    ]:
         np.testing.assert_allclose(table[ours], FACTS[name][key], rtol=1e-8)
 
 
@@ -140,13 +168,27 @@ def test_saturated_fit_says_so_and_keeps_its_coefficients():
     x1 = np.array([-1.0, 1, -1, 1])
     x2 = np.array([-1.0, -1, 1, 1])
     matrix = np.column_stack([np.ones(4), x1, x2, x1 * x2])
-    model = regression.least_squares(matrix, 3 + 2 * x1 - x2 + 0.5 * x1 * x2,
-                                     ["1", "x1", "x2", "x1:x2"])
+    model = regression.least_squares(
+        matrix, 3 + 2 * x1 - x2 + 0.5 * x1 * x2, ["1", "x1", "x2", "x1:x2"]
+    )
     table = regression.table(model)
     np.testing.assert_allclose(table["coefficient"], [3, 2, -1, 0.5], atol=1e-14)
     assert float(table["r2"]) == pytest.approx(1.0)
-    for name in ("standard_error", "t", "p", "low", "high", "q2", "press", "f_p", "aicc",
-                 "residual_sd", "studentised", "cooks_distance", "r2_adjusted"):
+    for name in (
+        "standard_error",
+        "t",
+        "p",
+        "low",
+        "high",
+        "q2",
+        "press",
+        "f_p",
+        "aicc",
+        "residual_sd",
+        "studentised",
+        "cooks_distance",
+        "r2_adjusted",
+    ):
         assert np.isnan(table[name]).all(), name
     assert "4 runs determine 4 coefficients" in table.attrs["notes"]
 
@@ -165,8 +207,7 @@ def test_aliased_terms_are_named_and_have_no_coefficient():
 def test_squares_of_a_two_level_design_are_aliased_with_the_constant():
     x = np.array([-1.0, 1, -1, 1])
     model = regression.least_squares(np.column_stack([np.ones(4), x, x**2]), x, ["1", "x", "x^2"])
-    assert regression.aliases(model) == [
-        "x^2 is aliased with 1: the runs cannot tell them apart."]
+    assert regression.aliases(model) == ["x^2 is aliased with 1: the runs cannot tell them apart."]
 
 
 def test_run_that_alone_determines_a_term_has_no_press():
@@ -193,8 +234,7 @@ def test_p_values_are_uniform_when_there_is_no_effect():
     """Under the null hypothesis p is uniform: Kolmogorov-Smirnov over 400 noise samples."""
     matrix, _, names = random_model()
     noise = np.random.default_rng(0).normal(size=(400, 24))
-    p = [float(regression.table(regression.least_squares(matrix, y, names))["p"][2])
-         for y in noise]
+    p = [float(regression.table(regression.least_squares(matrix, y, names))["p"][2]) for y in noise]
     assert stats.kstest(p, "uniform").pvalue > 0.01
 
 

@@ -13,8 +13,13 @@ from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
 
 SPACE = Space(tuple(Parameter(name, uniform(0, 1)) for name in "abcdef"))
-LEVELS = Space((Parameter("a", uniform(0, 1)), Parameter("cloth", levels=("p", "q", "r")),
-                Parameter("b", uniform(0, 1))))
+LEVELS = Space(
+    (
+        Parameter("a", uniform(0, 1)),
+        Parameter("cloth", levels=("p", "q", "r")),
+        Parameter("b", uniform(0, 1)),
+    )
+)
 
 
 def runs(n=60, noise=0.1, seed=0):
@@ -124,6 +129,7 @@ def test_rounding_does_not_choose_among_aliased_terms():
         noise = 0.1 * rng.standard_normal(len(coded))
         values = coded @ [3.0, 1.0, 0.0, 0.0, 0.2, 0.0, 0.0] + coded[:, 0] * coded[:, 1] + noise
         orders = [rng.permutation(len(coded)) for _ in range(4)]
-        found = {tuple(Stepwise(space=space).fit(coded[order], values[order]).terms_)
-                 for order in orders}
+        found = {
+            tuple(Stepwise(space=space).fit(coded[order], values[order]).terms_) for order in orders
+        }
         assert len(found) == 1

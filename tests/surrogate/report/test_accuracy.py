@@ -25,11 +25,17 @@ def test_scores_off_the_scale_stand_clear_of_each_other_and_of_discs():
         label = next(mark for mark in tree.all("text") if mark.text == words)
         left, row = (float(label.attributes[key]) for key in "xy")
         right = left + 6.0 * len(words)
-        others = [float(mark.attributes["x"]) for mark in tree.all("text", y=f"{row:g}")
-                  if mark is not label and mark.attributes["class"] == "small"]
+        others = [
+            float(mark.attributes["x"])
+            for mark in tree.all("text", y=f"{row:g}")
+            if mark is not label and mark.attributes["class"] == "small"
+        ]
         assert not any(left < other < right for other in others)
-        large = [float(mark.attributes["cx"]) for mark in tree.all("circle", r="4.2")
-                 if float(mark.attributes["cy"]) == row - 4.0]
+        large = [
+            float(mark.attributes["cx"])
+            for mark in tree.all("circle", r="4.2")
+            if float(mark.attributes["cy"]) == row - 4.0
+        ]
         assert len(large) == (disc is not None)
         assert not any(left - 20.0 < x < right for x in large)
 
@@ -39,10 +45,18 @@ def test_surrogates_of_different_runs_are_not_said_to_share_folds(study):
     content = study(surrogates=("linear", "quadratic"))
     fit = content.fits["quadratic"]["pressure_b1"]
     caption = "on the same folds and the same held-out runs"
-    assert caption in next(read(report.build(content).html).all("section",
-                                                                id="output-pressure_b1")).text
-    fewer = fitting.fit(content.space, fit.coded[:30], fit.values[:30], Linear(),
-                        surrogate="linear", output="pressure_b1")
+    assert (
+        caption
+        in next(read(report.build(content).html).all("section", id="output-pressure_b1")).text
+    )
+    fewer = fitting.fit(
+        content.space,
+        fit.coded[:30],
+        fit.values[:30],
+        Linear(),
+        surrogate="linear",
+        output="pressure_b1",
+    )
     other = replace(content, fits={**content.fits, "linear": {"pressure_b1": fewer}})
     told = next(read(report.build(other).html).all("section", id="output-pressure_b1")).text
     assert caption not in told and "They learnt from different runs" in told
@@ -54,12 +68,22 @@ def test_calibration_counts_the_runs_that_it_was_counted_on(study):
     aside = content.words("design").copy()
     aside[:9] = "aside"
     fit = content.fits["linear"]["pressure_b1"]
-    fewer = fitting.fit(content.space, fit.coded[9:], fit.values[9:], Linear(),
-                        surrogate="linear", output="pressure_b1")
+    fewer = fitting.fit(
+        content.space,
+        fit.coded[9:],
+        fit.values[9:],
+        Linear(),
+        surrogate="linear",
+        output="pressure_b1",
+    )
     held = content.words("design") == "test"
     tests = {"pressure_b1": (content.coded[held], content.values("pressure_b1")[held])}
     fits = {"linear": {"pressure_b1": fewer}}
-    other = replace(content, runs=content.runs.assign(design=("run", aside.astype(str))),
-                    fits=fits, comparison=compare(fits, tests))
+    other = replace(
+        content,
+        runs=content.runs.assign(design=("run", aside.astype(str))),
+        fits=fits,
+        comparison=compare(fits, tests),
+    )
     captions = " ".join(re.findall(r"inside the band \d+ runs", str(blocks(other, "pressure_b1"))))
     assert captions == f"inside the band {np.sum(held)} runs"

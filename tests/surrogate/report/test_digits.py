@@ -12,10 +12,22 @@ from surrogate.report import digits
 MINUS, THIN = digits.MINUS, digits.THIN
 
 
-@pytest.mark.parametrize("value, words", [
-    (0.0, "0"), (1234.5, "1234"), (0.123456, "0.123"), (-2.5, f"{MINUS}2.50"), (99.96, "100.0"),
-    (123456.0, f"123{THIN}456"), (1.234e-5, "1.23 × 10⁻⁵"), (-4.5e8, f"{MINUS}4.50 × 10⁸"),
-    (math.nan, digits.NOTHING), (None, digits.NOTHING), (math.inf, "∞")])
+@pytest.mark.parametrize(
+    "value, words",
+    [
+        (0.0, "0"),
+        (1234.5, "1234"),
+        (0.123456, "0.123"),
+        (-2.5, f"{MINUS}2.50"),
+        (99.96, "100.0"),
+        (123456.0, f"123{THIN}456"),
+        (1.234e-5, "1.23 × 10⁻⁵"),
+        (-4.5e8, f"{MINUS}4.50 × 10⁸"),
+        (math.nan, digits.NOTHING),
+        (None, digits.NOTHING),
+        (math.inf, "∞"),
+    ],
+)
 def test_figure(value, words):
     """Three significant digits, true minus, powers of ten only where needed."""
     assert digits.figure(value) == words
@@ -48,7 +60,12 @@ def test_percent_is_never_rounded_to_all_or_nothing():
 def test_score_is_one_only_when_perfect():
     """R2 = 0.9995 is not 1.000."""
     assert [digits.score(v) for v in (0.987, 0.9995, 0.99997, 1.0, -3.2)] == [
-        "0.987", "0.9995", "0.99997", "1.000", f"{MINUS}3.200"]
+        "0.987",
+        "0.9995",
+        "0.99997",
+        "1.000",
+        f"{MINUS}3.200",
+    ]
 
 
 def test_p_value_has_a_floor():
@@ -56,9 +73,17 @@ def test_p_value_has_a_floor():
     assert digits.p_value(3e-17) == f"<{THIN}0.001" and digits.p_value(0.0214) == "0.021"
 
 
-@pytest.mark.parametrize("seconds, words", [
-    (0.42, f"0.42{THIN}s"), (0.0042, f"4.2{THIN}ms"), (2e-6, f"2.0{THIN}µs"),
-    (190.0, f"3{THIN}min 10{THIN}s"), (7500.0, f"2{THIN}h 5{THIN}min"), (250_000.0, "2.9 days")])
+@pytest.mark.parametrize(
+    "seconds, words",
+    [
+        (0.42, f"0.42{THIN}s"),
+        (0.0042, f"4.2{THIN}ms"),
+        (2e-6, f"2.0{THIN}µs"),
+        (190.0, f"3{THIN}min 10{THIN}s"),
+        (7500.0, f"2{THIN}h 5{THIN}min"),
+        (250_000.0, "2.9 days"),
+    ],
+)
 def test_duration(seconds, words):
     """The unit that people would use."""
     assert digits.duration(seconds) == words

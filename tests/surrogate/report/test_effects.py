@@ -19,10 +19,14 @@ def test_nested_models_are_tested_in_order(study):
     content = study()
     said = comparisons(content, "pressure_b1", ["quadratic", "linear", "interactions"])
     models = {name: content.fits[name]["pressure_b1"].estimator.model_ for name in content.fits}
-    known = [nested(models["linear"], models["interactions"]),
-             nested(models["interactions"], models["quadratic"])]
-    assert [words.split(":")[0] for words in said] == ["interactions against linear",
-                                                       "quadratic against interactions"]
+    known = [
+        nested(models["linear"], models["interactions"]),
+        nested(models["interactions"], models["quadratic"]),
+    ]
+    assert [words.split(":")[0] for words in said] == [
+        "interactions against linear",
+        "quadratic against interactions",
+    ]
     for words, test in zip(said, known, strict=True):
         assert f"F = {digits.figure(test.f)}" in words
         assert (" no more " in words) == (test.p >= 0.05)
@@ -32,8 +36,14 @@ def test_models_of_other_runs_are_not_tested(study):
     """Fits of different runs are no nested pair; nothing is said of them."""
     content = study(surrogates=("linear", "quadratic"))
     fit = content.fits["linear"]["pressure_b1"]
-    fewer = fitting.fit(content.space, fit.coded[:30], fit.values[:30], Linear(),
-                        surrogate="linear", output="pressure_b1")
+    fewer = fitting.fit(
+        content.space,
+        fit.coded[:30],
+        fit.values[:30],
+        Linear(),
+        surrogate="linear",
+        output="pressure_b1",
+    )
     other = replace(content, fits={**content.fits, "linear": {"pressure_b1": fewer}})
     assert comparisons(other, "pressure_b1", ["linear", "quadratic"]) == []
 
@@ -43,8 +53,9 @@ def test_a_run_off_the_plane_is_named(study):
     content = study(surrogates=("linear",))
     fit = content.fits["linear"]["pressure_b1"]
     values = fit.values + 40.0 * (np.arange(60) == 17)
-    wrong = fitting.fit(content.space, fit.coded, values, Linear(), surrogate="linear",
-                        output="pressure_b1")
+    wrong = fitting.fit(
+        content.space, fit.coded, values, Linear(), surrogate="linear", output="pressure_b1"
+    )
     other = replace(content, fits={"linear": {"pressure_b1": wrong}})
     said = influence(other, "pressure_b1", "linear", wrong.estimator.regression_table())
     assert any(words.startswith("Run 17: more than 3 standard deviations") for words in said)
@@ -62,4 +73,5 @@ def test_lack_of_fit_is_told_where_there_are_replicates(study):
     assert f"F = {digits.figure(float(table['lack_of_fit_f']))}" in said
     assert float(table["lack_of_fit_p"]) < 0.05 and "terms are missing" in said
     assert pytest.approx(float(table["r2"]), abs=1e-3) == float(
-        sentences(table, "")[0].split("= ")[1].split(",")[0])
+        sentences(table, "")[0].split("= ")[1].split(",")[0]
+    )

@@ -22,8 +22,10 @@ def table(tree, caption: str) -> list[list[str]]:
     for figure in tree.all("figure"):
         captions = list(figure.all("figcaption"))
         if captions and captions[0].text.startswith(caption):
-            return [[cell.text for cell in row.children if not isinstance(cell, str)]
-                    for row in next(figure.all("tbody")).all("tr")]
+            return [
+                [cell.text for cell in row.children if not isinstance(cell, str)]
+                for row in next(figure.all("tbody")).all("tr")
+            ]
     raise AssertionError(f"no table '{caption}'")
 
 
@@ -82,9 +84,14 @@ def test_sensitivity_numbers(shown):
     rows = table(tree, "First-order and total indices")
     for row, k in zip(rows, order, strict=True):
         assert row[0] == content.space.names[k]
-        for column, key in ((1, "first_order"), (2, "first_order_sampling"),
-                            (3, "first_order_surrogate"), (4, "total"), (5, "total_sampling"),
-                            (6, "total_surrogate")):
+        for column, key in (
+            (1, "first_order"),
+            (2, "first_order_sampling"),
+            (3, "first_order_surrogate"),
+            (4, "total"),
+            (5, "total_sampling"),
+            (6, "total_surrogate"),
+        ):
             value = float(known[key][k])
             assert number(row[column]) == pytest.approx(value, rel=0.05, abs=6e-4)
         low, high = map(number, re.search(r"\((\S+) to (\S+)\)", row[4]).groups())
@@ -127,8 +134,9 @@ def test_parity_marks_stand_where_the_numbers_are(shown):
     assert np.array_equal(held, ~data.learnt)
     assert data.predicted[held] == pytest.approx(fit.predict(content.coded[content.ok][held]))
     assert data.predicted[~held] == pytest.approx(fit.left_out)
-    drawing = next(svg for svg in tree.all("svg")
-                   if svg.attributes["aria-label"].startswith("Parity"))
+    drawing = next(
+        svg for svg in tree.all("svg") if svg.attributes["aria-label"].startswith("Parity")
+    )
     marks = {mark.attributes["data-run"]: mark for mark in drawing.all("circle")}
     assert len(marks) == 79
     for place, values in (("cx", data.observed), ("cy", data.predicted)):
@@ -139,8 +147,11 @@ def test_parity_marks_stand_where_the_numbers_are(shown):
 
 def axis(drawing, place: str) -> tuple[float, float]:
     """Drawing units per value and the place of zero, read from the outer tick words."""
-    ticks = [tick for tick in drawing.all("text", class_="tick")
-             if (tick.attributes["text-anchor"] == "middle") == (place == "cx")]
+    ticks = [
+        tick
+        for tick in drawing.all("text", class_="tick")
+        if (tick.attributes["text-anchor"] == "middle") == (place == "cx")
+    ]
     words = [number(tick.text) for tick in ticks]
     # Words of the y axis stand 4 units below their line, so that they are centred on it.
     at = [float(tick.attributes[place[1]]) - (4.0 if place == "cy" else 0.0) for tick in ticks]
@@ -210,5 +221,7 @@ def test_answers_of_several_outputs_are_sentences(study):
     answer = next(tree.all("section", id="answer")).text
     assert "What matters most to slope mu_skin Shapley effects, largest first" in answer
     assert "intervals of quadratic hold only 50 % of the held-out values of slope" in answer
-    assert "Method: Shapley effects of surrogate quadratic." in next(
-        tree.all("section", id="output-slope")).text
+    assert (
+        "Method: Shapley effects of surrogate quadratic."
+        in next(tree.all("section", id="output-slope")).text
+    )

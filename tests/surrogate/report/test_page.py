@@ -22,8 +22,12 @@ def test_page_loads_nothing(study):
     """Every address in the page points inside it or carries its own data."""
     html = report.build(study(outputs=("pressure_b1", "pressure_map"))).html
     tree = read(html)
-    used = [element.attributes[key] for element in tree.all() for key in ADDRESSES
-            if key in element.attributes]
+    used = [
+        element.attributes[key]
+        for element in tree.all()
+        for key in ADDRESSES
+        if key in element.attributes
+    ]
     assert used and all(address.startswith(("#", "data:image/png;base64,")) for address in used)
     assert not list(tree.all("link")) and not list(tree.all("iframe"))
     policy = next(tree.all("meta", http_equiv="Content-Security-Policy"))
@@ -100,8 +104,10 @@ def test_one_parameter_and_dependent_parameters(study):
     one = Space((Parameter("x", uniform(0.0, 2.0)),))
     tree = read(report.build(study(one, train=12, test=5, surrogates=("quadratic",))).html)
     assert len(list(tree.all("section"))) == 7
-    two = Space((Parameter("x", uniform(0.0, 2.0)), Parameter("z", uniform(0.0, 1.0))),
-                ((1.0, 0.6), (0.6, 1.0)))
+    two = Space(
+        (Parameter("x", uniform(0.0, 2.0)), Parameter("z", uniform(0.0, 1.0))),
+        ((1.0, 0.6), (0.6, 1.0)),
+    )
     tree = read(report.build(study(two, train=20, test=5, surrogates=("linear",))).html)
     assert "z and x (0.60)" in next(tree.all("section", id="parameters")).text
 
@@ -125,8 +131,11 @@ def test_every_figure_has_a_text_and_every_column_a_head(study):
     tree = read(report.build(study(outputs=("pressure_b1", "pressure_map"))).html)
     drawings = list(tree.all("svg"))
     assert len(drawings) > 10 and all(svg.attributes["aria-label"] for svg in drawings)
-    words = {element.attributes["id"]: element for element in tree.all("figcaption")
-             if "id" in element.attributes}
+    words = {
+        element.attributes["id"]: element
+        for element in tree.all("figcaption")
+        if "id" in element.attributes
+    }
     for table in tree.all("table"):
         heads = list(table.all("th", scope="col"))
         body = next(table.all("tbody"))
@@ -148,11 +157,19 @@ def test_names_of_parameters_stay_inside_their_drawings(study, count):
 
     Three parameters are drawn in pairs, nine in strips with their ranges (103.5 at 9 units).
     """
-    space = Space(tuple(Parameter(name, uniform(0.059, 0.137), unit="N/mm") for name in
-                        ("mu_bandage", *(f"p{k}" for k in range(count - 1)))))
+    space = Space(
+        tuple(
+            Parameter(name, uniform(0.059, 0.137), unit="N/mm")
+            for name in ("mu_bandage", *(f"p{k}" for k in range(count - 1)))
+        )
+    )
     tree = read(report.build(study(space=space, surrogates=("linear",), train=20)).html)
     known = {"mu_bandage": 71.4, "0.059 to 0.137 (N/mm)": 103.5}
-    ends = [float(label.attributes["x"]) - known[label.text] for label in tree.all("text")
-            if label.text in known and label.attributes.get("text-anchor") == "end"
-            and "x" in label.attributes]
+    ends = [
+        float(label.attributes["x"]) - known[label.text]
+        for label in tree.all("text")
+        if label.text in known
+        and label.attributes.get("text-anchor") == "end"
+        and "x" in label.attributes
+    ]
     assert len(ends) >= 3 and min(ends) > -1.0

@@ -34,17 +34,25 @@ def test_time_of_a_shared_run_is_counted_once(shared):
 
 def test_a_shared_run_has_the_number_that_parity_shows(shared):
     """A run off the plane is named by its first number, as the marks of the parity plot are."""
-    said = influence(shared, "pressure_b1", "linear",
-                     shared.regression["linear"]["pressure_b1"].assign(
-                         cooks_distance=("run", 2.0 * (np.arange(60) == 17))))
+    said = influence(
+        shared,
+        "pressure_b1",
+        "linear",
+        shared.regression["linear"]["pressure_b1"].assign(
+            cooks_distance=("run", 2.0 * (np.arange(60) == 17))
+        ),
+    )
     assert said[0].startswith("Run 17: Cook's distance above 1")
 
 
 def test_mark_of_the_first_design_lies_on_top(shared):
     """Of marks at one place the last drawn is seen: it is the first design's filled disc."""
     tree = read(report.build(shared).html)
-    drawn = [mark for svg in next(tree.all("section", id="designs")).all("svg")
-             for mark in svg.all("circle")]
+    drawn = [
+        mark
+        for svg in next(tree.all("section", id="designs")).all("svg")
+        for mark in svg.all("circle")
+    ]
     kinds = [mark.attributes["class"] for mark in drawn]
     assert len(kinds) == 120 * 21
     assert kinds[:60] == ["mark hollow"] * 60 and kinds[60:120] == ["mark filled"] * 60

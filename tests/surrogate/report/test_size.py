@@ -34,11 +34,26 @@ def test_scripts_run_in_a_browser(study, tmp_path):
     """The script gives sortable heads their buttons, which it does only if all of it ran."""
     path = report.build(study(train=14, test=0, surrogates=("linear",))).save(tmp_path / "r.html")
     done = subprocess.run(
-        ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic",
-         "--no-first-run", "--disable-background-networking", "--disable-component-update",
-         "--disable-sync", f"--user-data-dir={tmp_path / 'profile'}",
-         "--virtual-time-budget=2000", "--dump-dom", path.as_uri()],
-        capture_output=True, text=True, timeout=60, check=True)
+        [
+            "chromium",
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-quic",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            f"--user-data-dir={tmp_path / 'profile'}",
+            "--virtual-time-budget=2000",
+            "--dump-dom",
+            path.as_uri(),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
     tree = read(done.stdout)
     sortable = next(tree.all("table", class_="sortable"))
     assert len(list(sortable.all("button"))) == len(list(sortable.all("th", scope="col"))) > 5

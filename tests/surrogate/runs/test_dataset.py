@@ -20,8 +20,12 @@ from surrogate.solver import Output
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 
-SPACE = Space((Parameter("x", uniform(0.0, 4.0), unit="mm", description="width of a bandage"),
-               Parameter("way", levels=("well", "raise", "hang"))))
+SPACE = Space(
+    (
+        Parameter("x", uniform(0.0, 4.0), unit="mm", description="width of a bandage"),
+        Parameter("way", levels=("well", "raise", "hang")),
+    )
+)
 RECIPE = Recipe("misbehaving", Misbehaving)
 TRAIN = np.array([[-1.0, -1.0], [0.5, -1.0], [1.0, 0.0], [0.25, -1.0]])
 TEST = np.array([[0.5, -1.0], [0.0, 1.0], [0.75, -1.0]])
@@ -38,17 +42,30 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def runs(folder):
-    return rundata.assemble(SPACE, {"train": TRAIN, "test": TEST}, RECIPE, read(folder),
-                            constants={"offset": 3}, study="study: é\n", seeds={"test": 7})
+    return rundata.assemble(
+        SPACE,
+        {"train": TRAIN, "test": TEST},
+        RECIPE,
+        read(folder),
+        constants={"offset": 3},
+        study="study: é\n",
+        seeds={"test": 7},
+    )
 
 
 def test_has_the_variables_and_attributes_that_scripts_count_on(runs):
     """The runs dataset of the design page: names, dimensions, units, provenance."""
     assert dict(runs.sizes) == {"run": 7, "parameter": 2, "place": 3}
     assert {name: runs[name].dims for name in runs} == {
-        "coded": ("run", "parameter"), "x": ("run",), "way": ("run",), "square": ("run",),
-        "ramp": ("run", "place"), **dict.fromkeys(["design", "status", "message", "seconds",
-                                                   "attempts", "finished"], ("run",))}
+        "coded": ("run", "parameter"),
+        "x": ("run",),
+        "way": ("run",),
+        "square": ("run",),
+        "ramp": ("run", "place"),
+        **dict.fromkeys(
+            ["design", "status", "message", "seconds", "attempts", "finished"], ("run",)
+        ),
+    }
     assert runs["parameter"].values.tolist() == ["x", "way"]
     assert runs["place"].values.tolist() == [0.0, 1.0, 2.0]
     assert (runs["coded"].values == np.concatenate([TRAIN, TEST])).all()
@@ -129,13 +146,15 @@ def test_a_dataset_in_which_nothing_ran_comes_back(tmp_path):
 @pytest.mark.parametrize("unit", ["", "days", "s", "seconds", "degC", "µm", "1/°", "hours"])
 def test_units_are_words_and_never_change_numbers(tmp_path, unit):
     """A unit of time must not turn an output into dates; letters of any language survive."""
+
     class Timed(Misbehaving):
         outputs = {"square": Output(unit=unit)}
 
     execute(RECIPE, {"x": [2.0]}, journal=tmp_path / "j", workers=1)
     space = Space((Parameter("x", distribution("normal", mean=2, std=1), unit=unit),))
-    runs = rundata.assemble(space, {"train": np.zeros((1, 1))}, Recipe("misbehaving", Timed),
-                            read(tmp_path / "j"))
+    runs = rundata.assemble(
+        space, {"train": np.zeros((1, 1))}, Recipe("misbehaving", Timed), read(tmp_path / "j")
+    )
     rundata.save(runs, tmp_path / "runs.nc")
     back = rundata.load(tmp_path / "runs.nc")
     assert back["square"].dtype == float and back["square"].values == [4.0]
@@ -148,8 +167,10 @@ def test_levels_keep_their_names(tmp_path):
     space = Space((Parameter("x", uniform(0.0, 1.0)), Parameter("kind", levels=levels)))
 
     class Kinds(Misbehaving):
-        inputs = {"x": Misbehaving.inputs["x"],
-                  "kind": replace(Misbehaving.inputs["way"], levels=levels, nominal=None)}
+        inputs = {
+            "x": Misbehaving.inputs["x"],
+            "kind": replace(Misbehaving.inputs["way"], levels=levels, nominal=None),
+        }
         outputs = {"square": Output(dims=("place",), coordinates={"place": np.array(levels)})}
 
     coded = np.array([[0.0, -1.0], [0.0, 0.0], [0.0, 1.0]])
@@ -177,17 +198,23 @@ def test_saving_is_all_or_nothing(runs, tmp_path, monkeypatch):
 @pytest.mark.skipif(os.name == "nt", reason="limits of POSIX")
 def test_a_disk_that_fills_under_a_dataset_is_a_sentence(tmp_path):
     """HDF5 ends a process by a segmentation fault when a write of its own fails."""
-    code = ("import resource, sys, numpy, xarray; from surrogate import errors\n"
-            "from surrogate.runs import dataset\n"
-            "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n"
-            "whole = xarray.Dataset({'x': numpy.arange(9e3)})\n"
-            "for data in (whole, xarray.DataTree.from_dict({'/a/b': whole})):\n"
-            "    try:\n"
-            "        dataset.save(data, sys.argv[1])\n"
-            "    except errors.ResultsError as error:\n"
-            "        print(error)\n")
-    done = subprocess.run([sys.executable, "-c", code, tmp_path / "runs.nc"], capture_output=True,
-                          text=True, timeout=60)
+    code = (
+        "import resource, sys, numpy, xarray; from surrogate import errors\n"
+        "from surrogate.runs import dataset\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))\n"
+        "whole = xarray.Dataset({'x': numpy.arange(9e3)})\n"
+        "for data in (whole, xarray.DataTree.from_dict({'/a/b': whole})):\n"
+        "    try:\n"
+        "        dataset.save(data, sys.argv[1])\n"
+        "    except errors.ResultsError as error:\n"
+        "        print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, tmp_path / "runs.nc"],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("runs.nc: File too large; make room") == 2
     assert os.listdir(tmp_path) == []
@@ -243,24 +270,32 @@ def test_repetitions_of_a_stochastic_solver_are_rows_of_their_own(tmp_path):
 def test_names_that_stand_for_two_things_are_mistakes():
     """Each clash is a sentence, and assembling refuses with all of them."""
     space = Space(tuple(Parameter(name, uniform(0.0, 1.0)) for name in ("status", "angle", "u")))
-    outputs = {"coded": Output(), "u": Output(),
-               "p": Output(dims=("angle",), coordinates={"angle": np.arange(3.0)}),
-               "q": Output(dims=("angle", "run"), coordinates={"angle": np.arange(4.0),
-                                                               "run": np.arange(2)})}
+    outputs = {
+        "coded": Output(),
+        "u": Output(),
+        "p": Output(dims=("angle",), coordinates={"angle": np.arange(3.0)}),
+        "q": Output(
+            dims=("angle", "run"), coordinates={"angle": np.arange(4.0), "run": np.arange(2)}
+        ),
+    }
     mistakes = rundata.name_mistakes(space, outputs)
-    for start in ("parameter 'status': the name is reserved",
-                  "output 'coded': the name is reserved",
-                  "dimension 'run' of output 'q': the name is reserved",
-                  "'u' is both a parameter and an output",
-                  "'angle' is both a dimension of output",
-                  "outputs 'p' and 'q' have different coordinates along 'angle'"):
+    for start in (
+        "parameter 'status': the name is reserved",
+        "output 'coded': the name is reserved",
+        "dimension 'run' of output 'q': the name is reserved",
+        "'u' is both a parameter and an output",
+        "'angle' is both a dimension of output",
+        "outputs 'p' and 'q' have different coordinates along 'angle'",
+    ):
         assert sum(mistake.startswith(start) for mistake in mistakes) == 1
     assert len(mistakes) == 6
     assert rundata.name_mistakes(SPACE, Misbehaving.outputs) == []
 
     slashes = {"a/b": Output(dims=("r/z",), coordinates={"r/z": np.arange(2)})}
     assert [m.partition(":")[0] for m in rundata.name_mistakes(SPACE, slashes)] == [
-        "output 'a/b'", "dimension 'r/z'"]
+        "output 'a/b'",
+        "dimension 'r/z'",
+    ]
 
     class Clashing(Misbehaving):
         outputs = {"message": Output()}

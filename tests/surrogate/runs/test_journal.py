@@ -128,7 +128,7 @@ def test_a_full_disk_keeps_what_is_there(tmp_path, monkeypatch, room):
     def full(file, data):
         if left[0] == 0:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        done = write(file, bytes(data[:left[0]]))
+        done = write(file, bytes(data[: left[0]]))
         left[0] -= done
         return done
 
@@ -172,8 +172,9 @@ with Journal(sys.argv[1]):
 
 
 def test_two_processes_get_a_sentence_and_a_dead_one_loses_its_lock(tmp_path):
-    with subprocess.Popen([sys.executable, "-c", HOLD, str(tmp_path)], stdout=subprocess.PIPE,
-                          text=True) as holder:
+    with subprocess.Popen(
+        [sys.executable, "-c", HOLD, str(tmp_path)], stdout=subprocess.PIPE, text=True
+    ) as holder:
         assert holder.stdout.readline() == "held\n"
         with pytest.raises(ResultsError, match=f"in use by process {holder.pid} on .* since"):
             with Journal(tmp_path):

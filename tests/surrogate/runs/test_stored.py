@@ -80,15 +80,15 @@ def test_report_and_prediction_without_a_run_before(place):
     study = write(place)
     done = analyse(study, place / "elsewhere")
     assert done.summary["stored"] == {"runs/shipped.nc": 13}
-    assert "13 of them were not run here but taken from runs/shipped.nc" in \
-        done.report.read_text()
+    assert "13 of them were not run here but taken from runs/shipped.nc" in done.report.read_text()
     assert not (place / "elsewhere/journal").exists()
 
 
 def test_only_what_is_missing_is_run(place):
     """Four more points of the design: four runs, beside the thirteen that are stored."""
-    study = write(place, **{"  test:": "  more: {method: latin_hypercube, runs: 4, seed: 9}\n"
-                                       "  test:"})
+    study = write(
+        place, **{"  test:": "  more: {method: latin_hypercube, runs: 4, seed: 9}\n  test:"}
+    )
     before = asked(place)
     runs = run(study, place, "elsewhere")
     new = runs["design"].values == "more"
@@ -116,9 +116,12 @@ def test_a_point_rounded_by_another_machine_is_the_same_point(place):
 
 
 CHANGED = {
-    "solver options": ({'"misbehaving:Misbehaving", options: {':
-                        '"misbehaving:Misbehaving", options: {pause: 0.5, '},
-                       "other option pause: none -> 0.5"),
+    "solver options": (
+        {
+            '"misbehaving:Misbehaving", options: {': '"misbehaving:Misbehaving", options: {pause: 0.5, '
+        },
+        "other option pause: none -> 0.5",
+    ),
     "constant": ({"offset: 3": "offset: 4"}, r"other offset: 3 -> 4 mm\^2"),
     "range": ({"[0, 4]": "[5, 6]"}, r"other x: 0\.\d+ to 3\.\d+ -> 5\.\d+ to 5\.\d+ mm"),
     "size": ({"runs: 9": "runs: 8", "runs: 4": "runs: 6"}, "other x: .* mm"),
@@ -130,7 +133,7 @@ def test_runs_that_do_not_fit_are_named_with_the_first_difference(place, changes
     """A stored file without a run of this study: a sentence at its place, and all is missing."""
     study = write(place, **changes)
     (sentence,) = study.unused
-    line = study.text[:study.text.index("stored:")].count("\n") + 1
+    line = study.text[: study.text.index("stored:")].count("\n") + 1
     assert sentence.startswith(f"{place / 'study.yaml'}:{line}:9: no run in 'runs/shipped.nc'")
     with pytest.raises(AssertionError, match=words):
         raise AssertionError(sentence)
@@ -156,7 +159,7 @@ def test_damaged_and_foreign_files_are_mistakes_of_the_study(place):
     """Not netCDF, half a file, a dataset of something else: sentences with line and column."""
     whole = (place / "runs/shipped.nc").read_bytes()
     line = TEXT.count("\n") + 1
-    for name, data in (("text", b"not a dataset"), ("half", whole[:len(whole) // 2])):
+    for name, data in (("text", b"not a dataset"), ("half", whole[: len(whole) // 2])):
         (place / "runs" / name).write_bytes(data)
         with pytest.raises(StudyError, match=rf"study.yaml:{line}:9: .*{name}.* cannot be read"):
             write(place, **{"shipped.nc": name})

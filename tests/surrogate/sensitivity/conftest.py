@@ -11,10 +11,10 @@ from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
 from surrogate_solvers.textbook import Borehole, Ishigami, Piston, SobolG
 
-REFERENCE = json.loads((Path(__file__).parents[2] / "reference" / "sobol_indices.json")
-                       .read_text(encoding="utf-8"))
-SOLVERS = {"ishigami": Ishigami(), "sobol_g": SobolG(), "borehole": Borehole(),
-           "piston": Piston()}
+REFERENCE = json.loads(
+    (Path(__file__).parents[2] / "reference" / "sobol_indices.json").read_text(encoding="utf-8")
+)
+SOLVERS = {"ishigami": Ishigami(), "sobol_g": SobolG(), "borehole": Borehole(), "piston": Piston()}
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,12 @@ def _array(values) -> np.ndarray:
 
 def _case(name: str) -> Case:
     solver, facts = SOLVERS[name], REFERENCE["sobol_indices"][name]
-    space = Space(tuple(Parameter(key, uniform(*given.range), unit=given.unit)
-                        for key, given in solver.inputs.items()))
+    space = Space(
+        tuple(
+            Parameter(key, uniform(*given.range), unit=given.unit)
+            for key, given in solver.inputs.items()
+        )
+    )
     output = next(iter(solver.outputs))
 
     def function(coded):
@@ -45,8 +49,9 @@ def _case(name: str) -> Case:
     second = np.full((space.size, space.size), np.nan)
     upper = np.triu_indices(space.size, 1)
     second[upper] = second.T[upper] = _array(facts["second_order"])
-    return Case(space, function, _array(facts["first_order"]), _array(facts["total"]), second,
-                facts)
+    return Case(
+        space, function, _array(facts["first_order"]), _array(facts["total"]), second, facts
+    )
 
 
 @pytest.fixture

@@ -32,15 +32,19 @@ def fitted(function, space, estimator, output="y", runs=60):
 
 def decided(space, freeze_below, *fits, **options):
     indices = combine([sobol(one, space, **SMALL) for one in fits])
-    return decide(indices, freeze_below, space=space, fits={one.output: one for one in fits},
-                  **{**SMALL, **options})
+    return decide(
+        indices,
+        freeze_below,
+        space=space,
+        fits={one.output: one for one in fits},
+        **{**SMALL, **options},
+    )
 
 
 def test_small_parameters_are_frozen_and_the_cost_is_that_of_the_group():
     """Quadratic f = 10 x + y + z + 2 y z: V = 100/3 + 2/3 + 4/9, T_{yz} = (2/3 + 4/9) / V."""
     space = unit_space("x", "y", "z")
-    surrogate = fitted(lambda t: t @ [10.0, 1.0, 1.0] + 2.0 * t[:, 1] * t[:, 2], space,
-                       Quadratic())
+    surrogate = fitted(lambda t: t @ [10.0, 1.0, 1.0] + 2.0 * t[:, 1] * t[:, 2], space, Quadratic())
     decision = decided(space, 0.05, surrogate, nominal={"y": 0.5}, samples=2**14)
     assert decision.keep == ("x",) and decision.freeze == ("y", "z")
     assert decision.frozen_values == {"y": 0.5, "z": 0.0}
@@ -100,8 +104,7 @@ def test_old_rule_stands_beside_and_decides_nothing():
     decision = decided(space, 0.02, surrogate)
     assert decision.keep == ("x", "y", "z") and decision.kept_by_old_rule == ("x",)
     assert "the rule of 93% keeps x" in decision.sentences[-1]
-    assert [v.one_at_a_time for v in decision.verdicts] == pytest.approx([1.0, 0.0, 0.0],
-                                                                         abs=1e-9)
+    assert [v.one_at_a_time for v in decision.verdicts] == pytest.approx([1.0, 0.0, 0.0], abs=1e-9)
 
 
 def test_sentences_name_value_unit_bound_and_output():
@@ -134,16 +137,19 @@ def test_other_measures_and_unknown_outputs_are_refused_with_the_cure():
     with pytest.raises(StudyError, match="method morris does not give; use method sobol"):
         decide(morris(function, space), 0.02, space=space, fits={"y": function})
     with pytest.raises(StudyError, match="'z' has no sensitivity indices"):
-        decide(sobol(function, space, **SMALL), 0.02, space=space, fits={"y": function},
-               outputs=["z"])
+        decide(
+            sobol(function, space, **SMALL), 0.02, space=space, fits={"y": function}, outputs=["z"]
+        )
 
 
 def test_an_output_that_does_not_vary_has_no_voice():
     """Beside f = x a constant output, sampled or in closed form: y is frozen, at no cost."""
     space = unit_space("x", "y")
-    fits = [fitted(lambda t: t[:, 0], space, Linear(), "moves"),
-            fitted(lambda t: np.full(len(t), 10 / 3), space, Linear(), "rests"),
-            fitted(lambda t: np.full(len(t), 10 / 3), space, LinearRegression(), "sampled")]
+    fits = [
+        fitted(lambda t: t[:, 0], space, Linear(), "moves"),
+        fitted(lambda t: np.full(len(t), 10 / 3), space, Linear(), "rests"),
+        fitted(lambda t: np.full(len(t), 10 / 3), space, LinearRegression(), "sampled"),
+    ]
     decision = decided(space, 0.02, *fits)
     assert decision.freeze == ("y",)
     for kept in decision.variance_kept:

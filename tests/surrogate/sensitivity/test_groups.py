@@ -35,10 +35,12 @@ def fitted(estimator, values=polynomial):
 def test_closed_and_total_index_of_a_group_in_closed_form(estimator):
     """Sobol' 1993: closed S_G sums the parts inside G, T_G the parts that touch G."""
     found = sobol(fitted(estimator), SPACE, groups=GROUPS, draws=5).isel(output=0)
-    np.testing.assert_allclose(found["group_first_order"], [PARTS[:2].sum() / PARTS.sum(), 0.0],
-                               atol=1e-9)
-    np.testing.assert_allclose(found["group_total"], [PARTS[:3].sum() / PARTS.sum(),
-                                                      PARTS[2] / PARTS.sum()], atol=1e-9)
+    np.testing.assert_allclose(
+        found["group_first_order"], [PARTS[:2].sum() / PARTS.sum(), 0.0], atol=1e-9
+    )
+    np.testing.assert_allclose(
+        found["group_total"], [PARTS[:3].sum() / PARTS.sum(), PARTS[2] / PARTS.sum()], atol=1e-9
+    )
     assert (found["group_total_sampling"] == 0.0).all()
     assert found["members"].values.tolist() == ["a, b", "c"]
 
@@ -57,16 +59,21 @@ def test_groups_of_one_have_the_indices_of_their_inputs():
     alone = [[j] for j in range(SPACE.size)]
     for one in (process, process.posterior_draws(1, seed=2)[0]):
         for name in ("first_order", "total", "second_order", "variance"):
-            np.testing.assert_allclose(getattr(one.sobol_indices(alone), name),
-                                       getattr(one.sobol_indices(), name), atol=1e-6, rtol=1e-6)
+            np.testing.assert_allclose(
+                getattr(one.sobol_indices(alone), name),
+                getattr(one.sobol_indices(), name),
+                atol=1e-6,
+                rtol=1e-6,
+            )
 
 
 def test_exact_and_sampled_indices_of_groups_agree():
     """Pick-freeze with whole groups estimates what the closed form of a process gives."""
     one = fitted(GaussianProcess())
     exact = sobol(one, SPACE, groups=GROUPS, draws=0).isel(output=0)
-    sampled = sobol(one, SPACE, groups=GROUPS, draws=0, exact=False,
-                    confidence=0.999).isel(output=0)
+    sampled = sobol(one, SPACE, groups=GROUPS, draws=0, exact=False, confidence=0.999).isel(
+        output=0
+    )
     for name in ("group_first_order", "group_total"):
         assert (np.abs(exact[name] - sampled[name]) <= sampled[f"{name}_sampling"] + 1e-4).all()
         assert float(sampled[f"{name}_sampling"].max()) < 0.02
@@ -74,6 +81,7 @@ def test_exact_and_sampled_indices_of_groups_agree():
 
 def test_fields_have_indices_of_groups():
     """Of a field with two places, the variance-weighted indices (Lamboni et al. 2011)."""
+
     def values(x):
         return np.column_stack([x[:, 0] + x[:, 1], 2.0 * x[:, 3]])
 

@@ -21,14 +21,16 @@ def test_squared_shares_of_a_plane_are_its_sobol_indices(reference):
     table = one_at_a_time(lambda x: 32.73 + x @ b, unit_space(*names)).isel(output=0)
     np.testing.assert_allclose(table["effect"], 2.0 * b, rtol=1e-12)
     np.testing.assert_allclose(table["share"], np.abs(b) / np.abs(b).sum(), rtol=1e-12)
-    np.testing.assert_allclose(table["share_squared"], list(facts["sobol_indices"].values()),
-                               atol=6e-7)
+    np.testing.assert_allclose(
+        table["share_squared"], list(facts["sobol_indices"].values()), atol=6e-7
+    )
 
 
 def test_rule_is_blind_to_interactions_and_to_curves(textbook):
     """f = x + 10 y z + 10 w^2: moved alone from the middle only x has an effect."""
-    table = one_at_a_time(lambda t: t[:, 0] + 10 * t[:, 1] * t[:, 2] + 10 * t[:, 3] ** 2,
-                          unit_space(*"xyzw")).isel(output=0)
+    table = one_at_a_time(
+        lambda t: t[:, 0] + 10 * t[:, 1] * t[:, 2] + 10 * t[:, 3] ** 2, unit_space(*"xyzw")
+    ).isel(output=0)
     np.testing.assert_allclose(table["share"], [1.0, 0.0, 0.0, 0.0], atol=1e-15)
     assert table["kept_by_share"].values.tolist() == [True, False, False, False]
 
@@ -43,17 +45,25 @@ def test_effects_depend_on_where_the_others_rest():
 
 def test_levels_and_unbounded_parameters_are_moved_as_the_page_says():
     """Largest difference of two levels; from the 2.5 to the 97.5 percentile."""
-    space = Space((Parameter("kind", levels=("a", "b", "c")),
-                   Parameter("t", distribution("normal", mean=0.0, std=2.0))))
+    space = Space(
+        (
+            Parameter("kind", levels=("a", "b", "c")),
+            Parameter("t", distribution("normal", mean=0.0, std=2.0)),
+        )
+    )
     table = one_at_a_time(lambda x: np.abs(x[:, 0]) * 3.0 + space["t"].decode(x[:, 1]), space)
     np.testing.assert_allclose(table["effect"][0], [3.0, 2 * 2 * 1.959963984540054])
 
 
-@pytest.mark.parametrize(("share", "kept"), [
-    ([0.6, 0.34, 0.05, 0.01], [True, True, False, False]),
-    ([0.5, 0.43, 0.05, 0.02], [True, True, True, False]),
-    ([0.01, 0.95, 0.02, 0.02], [False, True, False, False]),
-    ([0.0, 0.0, 0.0, 0.0], [False, False, False, False])])
+@pytest.mark.parametrize(
+    ("share", "kept"),
+    [
+        ([0.6, 0.34, 0.05, 0.01], [True, True, False, False]),
+        ([0.5, 0.43, 0.05, 0.02], [True, True, True, False]),
+        ([0.01, 0.95, 0.02, 0.02], [False, True, False, False]),
+        ([0.0, 0.0, 0.0, 0.0], [False, False, False, False]),
+    ],
+)
 def test_rule_keeps_the_largest_until_they_exceed_the_threshold(share, kept):
     """'more than 93 %': exactly 93 % is not enough."""
     assert kept_by_rule(np.array(share), 0.93).tolist() == kept

@@ -55,8 +55,12 @@ def test_dgsm_bounds_total_indices(name, textbook):
 
 def test_dgsm_of_normal_inputs_uses_their_law():
     """f = z, z ~ N(0, 1), u = F(z): df/du = 1 / pdf(z); the bound exceeds T = 1 and T = 0 stays."""
-    space = Space((Parameter("z", distribution("normal", mean=0.0, std=1.0, range=(-2.0, 2.0))),
-                   Parameter("x", uniform(-1.0, 1.0))))
+    space = Space(
+        (
+            Parameter("z", distribution("normal", mean=0.0, std=1.0, range=(-2.0, 2.0))),
+            Parameter("x", uniform(-1.0, 1.0)),
+        )
+    )
     found = dgsm(lambda t: t[:, 0], space, samples=2**12).isel(output=0)
     z = np.linspace(-2.0, 2.0, 200_001)
     law = space["z"].distribution
@@ -69,8 +73,14 @@ def test_dgsm_refuses_what_has_no_derivative():
     """Levels, and the steps of a forest, with the cure."""
     space = unit_space("x", "y")
     coded = space.sample(60, seed=0)
-    forest = fit(space, coded, coded[:, 0] ** 2, RandomForestRegressor(10, random_state=0),
-                 surrogate="forest", output="y")
+    forest = fit(
+        space,
+        coded,
+        coded[:, 0] ** 2,
+        RandomForestRegressor(10, random_state=0),
+        surrogate="forest",
+        output="y",
+    )
     with pytest.raises(StudyError, match="forest has no derivative.*method sobol"):
         dgsm(forest, space)
     levels = Space((Parameter("kind", levels=("a", "b")), Parameter("x", uniform(0.0, 1.0))))
@@ -98,8 +108,9 @@ def test_methods_share_one_layout_and_show_both_parts(method, textbook):
     """Each measure with `_low`, `_high`, `_sampling`, `_surrogate`, and the stamp."""
     case = textbook("ishigami")
     coded = case.space.sample(40, seed=1)
-    surrogate = fit(case.space, coded, case.function(coded), GaussianProcess(),
-                    surrogate="tested", output="y")
+    surrogate = fit(
+        case.space, coded, case.function(coded), GaussianProcess(), surrogate="tested", output="y"
+    )
     found = method(surrogate, case.space, draws=4, replicates=4, **SMALL[method])
     measures = [str(name) for name in found.data_vars if f"{name}_low" in found]
     assert len(measures) >= 2 and found.attrs["method"] == method.__name__
@@ -116,8 +127,9 @@ def test_numbers_depend_on_the_seed_alone(method, textbook):
     case = textbook("ishigami")
     np.random.seed(3)  # noqa: NPY002
     state = np.random.get_state()[1].copy()  # noqa: NPY002
-    one, same, other = (method(case.function, case.space, seed=s, replicates=4, **SMALL[method])
-                        for s in (1, 1, 2))
+    one, same, other = (
+        method(case.function, case.space, seed=s, replicates=4, **SMALL[method]) for s in (1, 1, 2)
+    )
     np.testing.assert_array_equal(np.random.get_state()[1], state)  # noqa: NPY002
     assert one.equals(same) and not one.equals(other)
 
@@ -132,13 +144,17 @@ def test_correlated_parameters_and_arrays_are_refused(method):
         method(lambda t: t[:, :, None] * np.ones(3), unit_space("a", "b"))
 
 
-@pytest.mark.parametrize(("method", "options", "sentence"), [
-    (morris, {"levels": 5}, "levels: 5 must be even.*take 6"),
-    (morris, {"trajectories": 0}, "trajectories: 0 is too few"),
-    (pawn, {"samples": 16}, "samples: 16 is too few; take 128"),
-    (dgsm, {"samples": 1}, "samples: 1 is too few"),
-    (dgsm, {"replicates": 1}, "replicates: 1 is too few"),
-    (dgsm, {"draws": -1}, "draws: -1 is too few")])
+@pytest.mark.parametrize(
+    ("method", "options", "sentence"),
+    [
+        (morris, {"levels": 5}, "levels: 5 must be even.*take 6"),
+        (morris, {"trajectories": 0}, "trajectories: 0 is too few"),
+        (pawn, {"samples": 16}, "samples: 16 is too few; take 128"),
+        (dgsm, {"samples": 1}, "samples: 1 is too few"),
+        (dgsm, {"replicates": 1}, "replicates: 1 is too few"),
+        (dgsm, {"draws": -1}, "draws: -1 is too few"),
+    ],
+)
 def test_options_without_sense_are_refused_with_the_cure(method, options, sentence):
     """The value, what is allowed, the cure."""
     with pytest.raises(StudyError, match=sentence):

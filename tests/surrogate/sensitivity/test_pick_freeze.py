@@ -36,8 +36,10 @@ def test_indices_lie_within_their_own_intervals(name, textbook):
     assert errors_in_half_widths(sampled, case).max() < 1.0
 
 
-@pytest.mark.parametrize(("name", "tolerance"), [("ishigami", 4e-3), ("sobol_g", 2e-3),
-                                                 ("borehole", 1e-3), ("piston", 2e-3)])
+@pytest.mark.parametrize(
+    ("name", "tolerance"),
+    [("ishigami", 4e-3), ("sobol_g", 2e-3), ("borehole", 1e-3), ("piston", 2e-3)],
+)
 def test_indices_are_accurate_at_the_default_size(name, tolerance, textbook):
     """The intervals of the previous test are narrow: absolute errors at 16 384 pairs."""
     case = textbook(name)
@@ -91,8 +93,12 @@ def test_indices_do_not_depend_on_origin_and_unit_of_the_output(textbook):
 
 def test_normal_and_categorical_inputs_follow_their_laws():
     """f = z + g(level), z ~ N(0, 2), g = 0, 3, 6 with probability 1/3: shares 4 / (4 + 6)."""
-    space = Space((Parameter("z", distribution("normal", mean=1.0, std=2.0)),
-                   Parameter("level", levels=("low", "middle", "high"))))
+    space = Space(
+        (
+            Parameter("z", distribution("normal", mean=1.0, std=2.0)),
+            Parameter("level", levels=("low", "middle", "high")),
+        )
+    )
     gain = {"low": 0.0, "middle": 3.0, "high": 6.0}
 
     def function(coded):
@@ -106,8 +112,9 @@ def test_normal_and_categorical_inputs_follow_their_laws():
 
 def test_indices_of_a_field_are_weighted_by_variance():
     """Gamboa et al. 2014: for f = (3 x0, 4 x1) the aggregated indices are 9/25 and 16/25."""
-    sampled = pick_freeze(lambda x: np.stack([3.0 * x[:, 0] + 7.0, 4.0 * x[:, 1]], axis=1), UNIT,
-                          seed=4)
+    sampled = pick_freeze(
+        lambda x: np.stack([3.0 * x[:, 0] + 7.0, 4.0 * x[:, 1]], axis=1), UNIT, seed=4
+    )
     np.testing.assert_allclose(sampled.total, [0.36, 0.64, 0.0], atol=1e-3)
 
 
@@ -132,8 +139,9 @@ def test_same_seed_same_numbers_whatever_the_block(monkeypatch, textbook):
 def test_a_million_evaluations_of_a_field_stay_in_bounded_memory():
     """2^17 pairs of 8 columns at 50 places are 420 MB of values; the peak is below 150 MB."""
     tracemalloc.start()
-    pick_freeze(lambda x: np.repeat(x[:, :1] * x[:, 1:2], 50, axis=1), UNIT, samples=2**17,
-                scramblings=4)
+    pick_freeze(
+        lambda x: np.repeat(x[:, :1] * x[:, 1:2], 50, axis=1), UNIT, samples=2**17, scramblings=4
+    )
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 150e6
@@ -151,6 +159,6 @@ def test_output_that_does_not_vary_has_no_shares(ripple):
 @pytest.mark.parametrize("options", [{"scramblings": 2}, {"samples": 0}])
 def test_too_few_of_anything_is_refused_with_the_least(options):
     """An interval from two or three values means nothing."""
-    (name, value), = options.items()
+    ((name, value),) = options.items()
     with pytest.raises(StudyError, match=f"{name}: {value} is too few; take . or more"):
         pick_freeze(lambda x: x[:, 0], UNIT, **options)

@@ -22,8 +22,7 @@ from surrogate.space.space import Parameter, Space
 def gaussian_space(correlation):
     normal = distribution("normal", mean=0.0, std=1.0)
     names = [f"x{j}" for j in range(len(correlation))]
-    return Space(tuple(Parameter(name, normal) for name in names),
-                 tuple(map(tuple, correlation)))
+    return Space(tuple(Parameter(name, normal) for name in names), tuple(map(tuple, correlation)))
 
 
 def linear(beta):
@@ -47,7 +46,7 @@ def exact_linear_gaussian(beta, covariance):
     orders = list(permutations(range(d)))
     for order in orders:
         for k, i in enumerate(order):
-            effects[i] += cost(order[:k + 1]) - (cost(order[:k]) if k else 0.0)
+            effects[i] += cost(order[: k + 1]) - (cost(order[:k]) if k else 0.0)
     return effects / len(orders) / (beta @ covariance @ beta)
 
 
@@ -56,10 +55,12 @@ def test_two_correlated_gaussian_inputs(reference):
     facts = reference["dependent_inputs"]["linear_gaussian_2_rho_0.5"]
     effects = shapley(linear(facts["beta"]), gaussian_space(facts["cov"]), seed=1).isel(output=0)
     np.testing.assert_allclose(effects["shapley"], facts["shapley"], atol=3e-3)
-    np.testing.assert_allclose(effects["closed_first_order"],
-                               list(facts["closed_first"].values()), atol=4e-3)
-    np.testing.assert_allclose(effects["independent_total"],
-                               list(facts["total_independent"].values()), atol=4e-3)
+    np.testing.assert_allclose(
+        effects["closed_first_order"], list(facts["closed_first"].values()), atol=4e-3
+    )
+    np.testing.assert_allclose(
+        effects["independent_total"], list(facts["total_independent"].values()), atol=4e-3
+    )
 
 
 @pytest.mark.parametrize("rho", [-0.7, 0.0, 0.9])
@@ -111,8 +112,14 @@ def test_second_order_surrogate_has_closed_form_effects():
     """f = x + 2 x y: V_x = 1/3, V_xy = 4/9; the interaction is shared equally."""
     space = Space((Parameter("x", uniform(-1.0, 1.0)), Parameter("y", uniform(-1.0, 1.0))))
     coded = space.sample(20, seed=3)
-    surrogate = fit(space, coded, coded[:, 0] + 2.0 * coded[:, 0] * coded[:, 1], Quadratic(),
-                    surrogate="tested", output="y")
+    surrogate = fit(
+        space,
+        coded,
+        coded[:, 0] + 2.0 * coded[:, 0] * coded[:, 1],
+        Quadratic(),
+        surrogate="tested",
+        output="y",
+    )
     effects = shapley(surrogate, space).isel(output=0)
     assert effects.attrs["computed"] == "closed form"
     np.testing.assert_allclose(effects["shapley"], [5 / 7, 2 / 7], atol=1e-9)
@@ -124,8 +131,9 @@ def test_random_orders_agree_with_all_subsets(monkeypatch, textbook):
     monkeypatch.setattr(module, "ALL_SUBSETS", 2)
     effects = shapley(case.function, case.space, samples=2**11, confidence=0.999).isel(output=0)
     variances = np.array([1.0 / (3.0 * (1.0 + a) ** 2) for a in case.facts["a"]])
-    exact = [sum(np.prod(variances[list(s)]) / len(s) for s in subsets_with(i, 8))
-             for i in range(8)] / (np.prod(1.0 + variances) - 1.0)
+    exact = [
+        sum(np.prod(variances[list(s)]) / len(s) for s in subsets_with(i, 8)) for i in range(8)
+    ] / (np.prod(1.0 + variances) - 1.0)
     assert (np.abs(effects["shapley"] - exact) <= effects["shapley_sampling"] + 1e-6).all()
 
 
@@ -138,8 +146,9 @@ def test_gaussian_process_shows_its_own_part(textbook):
     """Posterior draws widen the interval beyond sampling."""
     case = textbook("ishigami")
     coded = case.space.sample(60, seed=4)
-    surrogate = fit(case.space, coded, case.function(coded), GaussianProcess(),
-                    surrogate="tested", output="y")
+    surrogate = fit(
+        case.space, coded, case.function(coded), GaussianProcess(), surrogate="tested", output="y"
+    )
     effects = shapley(surrogate, case.space, samples=2**10, draws=20)
     assert (effects["shapley_surrogate"] > 0.0).all()
     assert effects.attrs["surrogate_part"].startswith("posterior draws")

@@ -38,8 +38,9 @@ def test_linear_surrogate_of_the_papers_model_has_its_indices(reference):
     indices = sobol(fitted(lambda x: 32.73 + x @ b, space, Linear()), space)
     assert indices.attrs["computed"] == "closed form"
     for name in ("first_order", "total"):
-        np.testing.assert_allclose(indices[name][0], list(facts["sobol_indices"].values()),
-                                   atol=6e-7)
+        np.testing.assert_allclose(
+            indices[name][0], list(facts["sobol_indices"].values()), atol=6e-7
+        )
         np.testing.assert_allclose(indices[name][0], b**2 / (b**2).sum(), atol=1e-9)
 
 
@@ -56,8 +57,9 @@ def test_quadratic_surrogate_has_the_indices_of_its_closed_form():
     variance = alone.sum() + pair
     np.testing.assert_allclose(indices["first_order"], alone / variance, atol=1e-9)
     np.testing.assert_allclose(indices["total"], (alone + pair) / variance, atol=1e-9)
-    np.testing.assert_allclose(indices["second_order"].sel(parameter="x", parameter_2="y"),
-                               pair / variance, atol=1e-9)
+    np.testing.assert_allclose(
+        indices["second_order"].sel(parameter="x", parameter_2="y"), pair / variance, atol=1e-9
+    )
 
 
 @pytest.mark.parametrize("estimator", [Quadratic(), GaussianProcess()])
@@ -115,8 +117,9 @@ def test_surrogate_with_as_many_coefficients_as_runs_knows_nothing_of_its_error(
     """Eight runs, eight coefficients: the interval is [0, 1] and the stamp says why."""
     space = unit_space(*"abcdefg")
     coded = np.vstack([np.zeros(7), np.eye(7)])
-    surrogate = fit(space, coded, coded @ np.arange(1.0, 8.0), Linear(), surrogate="tested",
-                    output="y")
+    surrogate = fit(
+        space, coded, coded @ np.arange(1.0, 8.0), Linear(), surrogate="tested", output="y"
+    )
     indices = sobol(surrogate, space)
     assert (indices["total_low"] == 0.0).all() and (indices["total_high"] == 1.0).all()
     assert indices["total_surrogate"].isnull().all()
@@ -130,11 +133,18 @@ def test_correlated_parameters_are_refused_and_sent_to_shapley_effects():
         sobol(lambda x: x.sum(axis=1), space)
 
 
-@pytest.mark.parametrize(("estimator", "how"), [
-    (Interactions(), "Student t draws"), (GaussianProcess(), "posterior draws"),
-    (GaussianProcessRegressor(RBF([1.0, 1.0, 1.0]), alpha=1e-8, optimizer=None),
-     "posterior draws"),
-    (RandomForestRegressor(n_estimators=10, random_state=0), "pairs bootstrap")])
+@pytest.mark.parametrize(
+    ("estimator", "how"),
+    [
+        (Interactions(), "Student t draws"),
+        (GaussianProcess(), "posterior draws"),
+        (
+            GaussianProcessRegressor(RBF([1.0, 1.0, 1.0]), alpha=1e-8, optimizer=None),
+            "posterior draws",
+        ),
+        (RandomForestRegressor(n_estimators=10, random_state=0), "pairs bootstrap"),
+    ],
+)
 def test_every_kind_of_surrogate_shows_its_own_part(estimator, how, textbook):
     """Polynomials, Gaussian processes of two kinds and a forest."""
     case = textbook("ishigami")
@@ -147,15 +157,28 @@ def test_every_kind_of_surrogate_shows_its_own_part(estimator, how, textbook):
 def test_more_runs_make_the_surrogate_part_smaller(textbook):
     """Between 30 and 120 runs of the piston the part of a Gaussian process at least halves."""
     case = textbook("piston")
-    parts = [sobol(fitted(case.function, case.space, GaussianProcess(), runs=runs), case.space,
-                   draws=40)["total_surrogate"].mean().item() for runs in (30, 120)]
+    parts = [
+        sobol(
+            fitted(case.function, case.space, GaussianProcess(), runs=runs), case.space, draws=40
+        )["total_surrogate"]
+        .mean()
+        .item()
+        for runs in (30, 120)
+    ]
     assert parts[1] < 0.5 * parts[0]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("estimator", "runs"), [
-    (Linear(), 60), (Interactions(), 60), (Quadratic(), 60), (GaussianProcess(), 40),
-    (RandomForestRegressor(n_estimators=20, random_state=0), 60)])
+@pytest.mark.parametrize(
+    ("estimator", "runs"),
+    [
+        (Linear(), 60),
+        (Interactions(), 60),
+        (Quadratic(), 60),
+        (GaussianProcess(), 40),
+        (RandomForestRegressor(n_estimators=20, random_state=0), 60),
+    ],
+)
 def test_whole_intervals_cover_the_solvers_indices(estimator, runs, textbook):
     """Over 20 designs of the piston 95 % intervals of S and T cover the truth 90 % or more.
 
@@ -168,8 +191,9 @@ def test_whole_intervals_cover_the_solvers_indices(estimator, runs, textbook):
         indices = sobol(surrogate, case.space, samples=2**11, draws=40).isel(output=0)
         for name in ("first_order", "total"):
             truth = getattr(case, name)
-            inside.append((indices[f"{name}_low"] <= truth + 1e-6)
-                          & (indices[f"{name}_high"] >= truth - 1e-6))
+            inside.append(
+                (indices[f"{name}_low"] <= truth + 1e-6) & (indices[f"{name}_high"] >= truth - 1e-6)
+            )
     assert np.mean(inside) >= 0.90
 
 
@@ -183,16 +207,14 @@ def test_worst_case_bounds_the_total_index_of_the_solver(textbook):
         q2 = 1.0 - (errors**2).mean() / case.function(points).var()
         total = surrogate.estimator.sobol_indices().total
         assert (case.total <= worst_case(total, q2) + 1e-9).all()
-    np.testing.assert_allclose(worst_case(np.array([0.0, 0.04, 1.0]), 0.99),
-                               [0.01, 0.32**2, 1.0])
+    np.testing.assert_allclose(worst_case(np.array([0.0, 0.04, 1.0]), 0.99), [0.01, 0.32**2, 1.0])
 
 
 def test_outputs_are_joined_in_one_dataset(textbook):
     """`combine` keeps each output's rows, stamps and surrogate names."""
     case = textbook("ishigami")
     first = sobol(fitted(case.function, case.space, Linear(), output="a"), case.space, **SMALL)
-    second = sobol(fitted(lambda x: x[:, 0], case.space, Linear(), output="b"), case.space,
-                   **SMALL)
+    second = sobol(fitted(lambda x: x[:, 0], case.space, Linear(), output="b"), case.space, **SMALL)
     both = combine([first, second])
     assert both["output"].values.tolist() == ["a", "b"]
     assert both["refused"].values.tolist() == [first.attrs["refused"], ""]

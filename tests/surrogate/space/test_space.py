@@ -48,8 +48,9 @@ def test_unbounded_parameters_are_uniform_when_coded():
     """Probability transform: a normal value codes to 2 Phi(z) - 1."""
     parameter = Parameter("x", LAWS["normal"])
     z = np.array([-3.0, -1.0, 0.0, 0.5, 3.0])
-    np.testing.assert_allclose(parameter.encode(5.0 + z), 2.0 * stats.norm.cdf(z) - 1.0,
-                               rtol=1e-14, atol=1e-16)
+    np.testing.assert_allclose(
+        parameter.encode(5.0 + z), 2.0 * stats.norm.cdf(z) - 1.0, rtol=1e-14, atol=1e-16
+    )
 
 
 @pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
@@ -61,23 +62,37 @@ def test_quadrature_integrates_polynomials_of_the_coded_value(law):
     nodes, weights = parameter.quadrature(6)
     assert len(nodes) == 6
     for power in range(12):
-        exact = quad(lambda u, k=power: float(parameter.quantile(u)) ** k, 0, 1,
-                     epsabs=1e-12, epsrel=1e-12, limit=400)[0]
+        exact = quad(
+            lambda u, k=power: float(parameter.quantile(u)) ** k,
+            0,
+            1,
+            epsabs=1e-12,
+            epsrel=1e-12,
+            limit=400,
+        )[0]
         assert (weights * nodes**power).sum() == pytest.approx(exact, abs=2e-9)
 
 
 #: Mean and second moment of laws that are far from flat on their range.
 SKEWED = {
-    "loguniform": (distribution("loguniform", a=1e-6, b=1.0),
-                   lambda k: (1.0 - 1e-6**k) / (k * np.log(1e6))),
+    "loguniform": (
+        distribution("loguniform", a=1e-6, b=1.0),
+        lambda k: (1.0 - 1e-6**k) / (k * np.log(1e6)),
+    ),
     "arcsine": (distribution("beta", a=0.5, b=0.5), lambda k: stats.beta(0.5, 0.5).moment(k)),
     "peak at 0": (distribution("beta", a=0.1, b=2.0), lambda k: stats.beta(0.1, 2.0).moment(k)),
-    "narrow": (distribution("normal", mean=5.01, std=5e-4, range=(2.0, 8.0)),
-               lambda k: [5.01, 5.01**2 + 25e-8][k - 1]),
-    "decaying": (distribution("expon", scale=1e-3, range=(0.0, 10.0)),
-                 lambda k: [1e-3, 2e-6][k - 1]),
-    "long tail": (distribution("lognormal", mean=1.0, std=5.0, range=(0.0, 1e9)),
-                  lambda k: [1.0, 26.0][k - 1]),
+    "narrow": (
+        distribution("normal", mean=5.01, std=5e-4, range=(2.0, 8.0)),
+        lambda k: [5.01, 5.01**2 + 25e-8][k - 1],
+    ),
+    "decaying": (
+        distribution("expon", scale=1e-3, range=(0.0, 10.0)),
+        lambda k: [1e-3, 2e-6][k - 1],
+    ),
+    "long tail": (
+        distribution("lognormal", mean=1.0, std=5.0, range=(0.0, 1e9)),
+        lambda k: [1.0, 26.0][k - 1],
+    ),
 }
 
 
@@ -111,8 +126,10 @@ def test_lognormal_words_are_moments_of_the_quantity():
 
 def test_gaussian_copula_has_its_spearman_correlation():
     """Spearman's rho of a Gaussian copula is 6 / pi asin(r / 2)."""
-    space = Space((Parameter("a", LAWS["uniform"]), Parameter("b", LAWS["lognormal"])),
-                  ((1.0, 0.7), (0.7, 1.0)))
+    space = Space(
+        (Parameter("a", LAWS["uniform"]), Parameter("b", LAWS["lognormal"])),
+        ((1.0, 0.7), (0.7, 1.0)),
+    )
     points = space.decode(space.sample(200_000, seed=3))
     rho = stats.spearmanr(points["a"], points["b"]).statistic
     assert rho == pytest.approx(6.0 / np.pi * np.arcsin(0.35), abs=0.005)
@@ -128,22 +145,30 @@ def test_levels_code_evenly_and_come_back():
     assert [(parameter.quantile(u) == code).sum() for code in (-1, 0, 1)] == [333] * 3
 
 
-@pytest.mark.parametrize("build, words", [
-    (lambda: uniform(3.0, 1.0), "upside down"),
-    (lambda: distribution("normal", mean=0.0, std=-1.0), "above 0"),
-    (lambda: distribution("normal", mean=0.0), "needs 'std'"),
-    (lambda: distribution("normal", mean=0.0, std=1.0, sdt=1.0), "does not take 'sdt'"),
-    (lambda: distribution("nromal", mean=0.0, std=1.0), "did you mean 'normal'"),
-    (lambda: distribution("normal", mean=0.0, std=1.0, range=(50.0, 60.0)), "no probability"),
-    (lambda: distribution("triangular", mode=5.0, range=(0.0, 1.0)), "outside range"),
-    (lambda: distribution("lognormal", mean=-1.0, std=1.0), "above 0"),
-    (lambda: Parameter("x", levels=("a", "a")), "two or more different"),
-    (lambda: Space((Parameter("x", LAWS["uniform"]),) * 2), "must all differ"),
-    (lambda: Space((Parameter("x", LAWS["uniform"]), Parameter("y", LAWS["uniform"])),
-                   ((1.0, 1.0), (1.0, 1.0))), "positive definite"),
-    (lambda: Space((Parameter("x", LAWS["uniform"]),)).decode([[0.0, 0.0]]), "2 columns"),
-    (lambda: Parameter("x", levels=("blue", "red")).encode(["bleu"]), "did you mean 'blue'"),
-])
+@pytest.mark.parametrize(
+    "build, words",
+    [
+        (lambda: uniform(3.0, 1.0), "upside down"),
+        (lambda: distribution("normal", mean=0.0, std=-1.0), "above 0"),
+        (lambda: distribution("normal", mean=0.0), "needs 'std'"),
+        (lambda: distribution("normal", mean=0.0, std=1.0, sdt=1.0), "does not take 'sdt'"),
+        (lambda: distribution("nromal", mean=0.0, std=1.0), "did you mean 'normal'"),
+        (lambda: distribution("normal", mean=0.0, std=1.0, range=(50.0, 60.0)), "no probability"),
+        (lambda: distribution("triangular", mode=5.0, range=(0.0, 1.0)), "outside range"),
+        (lambda: distribution("lognormal", mean=-1.0, std=1.0), "above 0"),
+        (lambda: Parameter("x", levels=("a", "a")), "two or more different"),
+        (lambda: Space((Parameter("x", LAWS["uniform"]),) * 2), "must all differ"),
+        (
+            lambda: Space(
+                (Parameter("x", LAWS["uniform"]), Parameter("y", LAWS["uniform"])),
+                ((1.0, 1.0), (1.0, 1.0)),
+            ),
+            "positive definite",
+        ),
+        (lambda: Space((Parameter("x", LAWS["uniform"]),)).decode([[0.0, 0.0]]), "2 columns"),
+        (lambda: Parameter("x", levels=("blue", "red")).encode(["bleu"]), "did you mean 'blue'"),
+    ],
+)
 def test_mistakes_are_sentences(build, words):
     """Each mistake is a StudyError that names the cure."""
     with pytest.raises(StudyError, match=words):

@@ -6,13 +6,16 @@ from surrogate.errors import StudyError
 from surrogate.space import units
 
 
-@pytest.mark.parametrize("value, unit, target, answer", [
-    (18.486, "cm", "mm", 184.86),
-    (0.098, "N/mm", "N/m", 98.0),
-    (14.3, "MPa", "kPa", 14300.0),
-    (1.0, "mmHg", "Pa", 133.322),
-    (20.0, "degC", "K", 293.15),
-])
+@pytest.mark.parametrize(
+    "value, unit, target, answer",
+    [
+        (18.486, "cm", "mm", 184.86),
+        (0.098, "N/mm", "N/m", 98.0),
+        (14.3, "MPa", "kPa", 14300.0),
+        (1.0, "mmHg", "Pa", 133.322),
+        (20.0, "degC", "K", 293.15),
+    ],
+)
 def test_values_convert(value, unit, target, answer):
     """NIST SP 811 factors."""
     assert units.conversion(unit, target).place(value) == pytest.approx(answer, rel=1e-5)
@@ -23,10 +26,15 @@ def test_a_spread_of_temperatures_has_no_offset():
     assert units.conversion("degC", "K").distance(2.0) == pytest.approx(2.0)
 
 
-@pytest.mark.parametrize("unit, target, words", [
-    ("mm", "N/mm", "does not convert"), ("furlogn", "mm", "is unknown"),
-    ("mm", "", "a number without unit"), ("N/(mm", "N/mm", "is unknown"),
-])
+@pytest.mark.parametrize(
+    "unit, target, words",
+    [
+        ("mm", "N/mm", "does not convert"),
+        ("furlogn", "mm", "is unknown"),
+        ("mm", "", "a number without unit"),
+        ("N/(mm", "N/mm", "is unknown"),
+    ],
+)
 def test_wrong_units_are_sentences(unit, target, words):
     """Units that do not fit are refused by name."""
     with pytest.raises(StudyError, match=words):

@@ -39,83 +39,186 @@ MISTAKES = {
     "not a number": ("[0.05, 0.15]", "[0.05, wide]", "4:14", "must be a number"),
     "wrong unit": ("unit: m}", "unit: kg}", "5:6", "'kg' does not convert to 'm'"),
     "unknown unit": ("unit: m/yr", "unit: m/yaer", "6:7", "'m/yaer' is unknown"),
-    "unknown distribution": ("rw: [0.05, 0.15]", "rw: {distribution: gaussian}", "4:7",
-                             "'gaussian' is unknown"),
-    "distribution word": ("rw: [0.05, 0.15]",
-                          "rw: {distribution: normal, mean: 0.1, range: [0.05, 0.15]}",
-                          "4:7", "needs 'std'"),
-    "open distribution": ("rw: [0.05, 0.15]", "rw: {distribution: normal, mean: 0.1, std: 0.1}",
-                          "4:7", "beyond what the solver accepts .* add range"),
+    "unknown distribution": (
+        "rw: [0.05, 0.15]",
+        "rw: {distribution: gaussian}",
+        "4:7",
+        "'gaussian' is unknown",
+    ),
+    "distribution word": (
+        "rw: [0.05, 0.15]",
+        "rw: {distribution: normal, mean: 0.1, range: [0.05, 0.15]}",
+        "4:7",
+        "needs 'std'",
+    ),
+    "open distribution": (
+        "rw: [0.05, 0.15]",
+        "rw: {distribution: normal, mean: 0.1, std: 0.1}",
+        "4:7",
+        "beyond what the solver accepts .* add range",
+    ),
     "unknown constant": ("{Tl: 90}", "{Tll: 90}", "7:13", "did you mean 'Tl'"),
     "constant and parameter": ("{Tl: 90}", "{Tl: 90, L: 1200}", "7:21", "also a parameter"),
     "constant too large": ("{Tl: 90}", "{Tl: 900}", "7:17", "above the largest"),
     "unknown output": ("[flow]", "[flwo]", "8:11", "did you mean 'flow'"),
-    "misspelt design": ("method: latin_hypercube", "method: latin_hypercub", "10:19",
-                        "did you mean 'latin_hypercube'"),
-    "misspelt method": ("{method: sobol, runs", "{metod: sobol, runs", "11:3",
-                        "'method' is needed here; is 'metod' meant to be 'method'"),
-    "design option": ("{method: sobol, runs: 8", "{method: sobol, rns: 8", "11:25",
-                      "did you mean 'runs'"),
-    "missing option": ("{method: sobol, runs: 8, ", "{method: sobol, ", "11:3",
-                       "'runs' is needed"),
+    "misspelt design": (
+        "method: latin_hypercube",
+        "method: latin_hypercub",
+        "10:19",
+        "did you mean 'latin_hypercube'",
+    ),
+    "misspelt method": (
+        "{method: sobol, runs",
+        "{metod: sobol, runs",
+        "11:3",
+        "'method' is needed here; is 'metod' meant to be 'method'",
+    ),
+    "design option": (
+        "{method: sobol, runs: 8",
+        "{method: sobol, rns: 8",
+        "11:25",
+        "did you mean 'runs'",
+    ),
+    "missing option": ("{method: sobol, runs: 8, ", "{method: sobol, ", "11:3", "'runs' is needed"),
     "option of wrong type": ("runs: 20", "runs: some", "10:42", "'some' is not accepted"),
     "too few runs": ("runs: 20", "runs: 3", "13:3", "4 coefficients .* 3 different points"),
     "unknown regressor": ("{method: linear}", "{method: liner}", "13:20", "did you mean 'linear'"),
     "unknown class": ("RandomForestRegressor", "RandomForest", "14:20", "does not load"),
-    "regressor option": ("n_estimators: 10", "n_estimator: 10", "14:72",
-                         "did you mean 'n_estimators'"),
-    "unknown train": ("{method: linear}", "{method: linear, train: trian}", "13:35",
-                      "did you mean 'train'"),
-    "learns from nothing": ("{method: linear}", "{method: linear, train: []}", "13:35",
-                            "at least 1 entry"),
-    "learns what it is judged by": ("{method: linear}", "{method: linear, train: [train, test]}",
-                                    "13:35", "'test' judges the surrogates"),
+    "regressor option": (
+        "n_estimators: 10",
+        "n_estimator: 10",
+        "14:72",
+        "did you mean 'n_estimators'",
+    ),
+    "unknown train": (
+        "{method: linear}",
+        "{method: linear, train: trian}",
+        "13:35",
+        "did you mean 'train'",
+    ),
+    "learns from nothing": (
+        "{method: linear}",
+        "{method: linear, train: []}",
+        "13:35",
+        "at least 1 entry",
+    ),
+    "learns what it is judged by": (
+        "{method: linear}",
+        "{method: linear, train: [train, test]}",
+        "13:35",
+        "'test' judges the surrogates",
+    ),
     "seed that is none": ("seed: 1", "seed: null", "10:52", "'seed' is empty: give a whole number"),
-    "unit of a text": ("{Tl: 90}", "{Tl: {value: '90', unit: dm^2/year}}", "7:17",
-                       "below the smallest"),
+    "unit of a text": (
+        "{Tl: 90}",
+        "{Tl: {value: '90', unit: dm^2/year}}",
+        "7:17",
+        "below the smallest",
+    ),
     "unknown surrogate": ("surrogate: best", "surrogate: lienar", "15:41", "did you mean 'linear'"),
-    "unknown sensitivity": ("sensitivity: {method: sobol", "sensitivity: {method: sobl", "15:23",
-                            "did you mean 'sobol'"),
-    "parameter in no study": ("confidence: 0.95}", "groups: {g: [rw, K]}}", "15:64",
-                              "'K' is not a parameter of this study; did you mean 'Kw'"),
-    "parameter in two groups": ("confidence: 0.95}", "groups: {g: [rw], h: [L, rw]}}", "15:72",
-                                "'rw' is already in group 'g'"),
+    "unknown sensitivity": (
+        "sensitivity: {method: sobol",
+        "sensitivity: {method: sobl",
+        "15:23",
+        "did you mean 'sobol'",
+    ),
+    "parameter in no study": (
+        "confidence: 0.95}",
+        "groups: {g: [rw, K]}}",
+        "15:64",
+        "'K' is not a parameter of this study; did you mean 'Kw'",
+    ),
+    "parameter in two groups": (
+        "confidence: 0.95}",
+        "groups: {g: [rw], h: [L, rw]}}",
+        "15:72",
+        "'rw' is already in group 'g'",
+    ),
     "empty group": ("confidence: 0.95}", "groups: {g: []}}", "15:56", "group 'g' is empty"),
     "group of no list": ("confidence: 0.95}", "groups: {g: rw}}", "15:59", "must be a list"),
     "method without groups": (
         "{method: sobol, surrogate: best, confidence: 0.95}\nscreening: {freeze_below: 0.02}",
-        "{method: morris, groups: {g: [rw]}}", "15:31", "morris knows no groups"),
-    "output without a vote": ("freeze_below: 0.02", "outputs: [flwo]", "16:23",
-                              "did you mean 'flow'"),
+        "{method: morris, groups: {g: [rw]}}",
+        "15:31",
+        "morris knows no groups",
+    ),
+    "output without a vote": (
+        "freeze_below: 0.02",
+        "outputs: [flwo]",
+        "16:23",
+        "did you mean 'flow'",
+    ),
     "share above one": ("freeze_below: 0.02", "freeze_below: 2", "16:27", "below 1"),
     "duration": ("30 min", "30 mns", "17:34", "write '30 s'"),
     "no worker": ("workers: 2", "workers: 0", "17:22", "at least 1"),
-    "no such cases": ("outputs:", "validation: {cases: legs.csv}\noutputs:", "8:21",
-                      "legs.csv cannot be read .* relative to the study file"),
-    "cases of no kind": ("outputs:", "validation: legs.txt\noutputs:", "8:13",
-                         "must be a CSV file .* or a study"),
-    "validation key": ("outputs:", "validation: {casses: x, cases: CASES.csv}\noutputs:",
-                       "8:14", "did you mean 'cases'"),
-    "no such subject": ("outputs:", "validation: {subject: lag, cases: CASES.csv}\noutputs:",
-                        "8:23", "no column 'lag'"),
-    "validated output": ("outputs:", "validation: {output: flwo, cases: CASES.csv}\noutputs:",
-                         "8:22", "did you mean 'flow'"),
-    "unknown model": ("outputs:", "validation: {models: {a: laplac}, cases: CASES.csv}\noutputs:",
-                      "8:26", "did you mean 'laplace'"),
-    "model option": ("outputs:", "validation: {models: {a: {name: borehole, options: {fine: 1}}}, "
-                     "cases: CASES.csv}\noutputs:", "8:53", "option 'fine' is"),
-    "model key": ("outputs:", "validation: {models: {a: {nam: x, name: borehole}}, "
-                  "cases: CASES.csv}\noutputs:", "8:27", "did you mean 'name'"),
+    "no such cases": (
+        "outputs:",
+        "validation: {cases: legs.csv}\noutputs:",
+        "8:21",
+        "legs.csv cannot be read .* relative to the study file",
+    ),
+    "cases of no kind": (
+        "outputs:",
+        "validation: legs.txt\noutputs:",
+        "8:13",
+        "must be a CSV file .* or a study",
+    ),
+    "validation key": (
+        "outputs:",
+        "validation: {casses: x, cases: CASES.csv}\noutputs:",
+        "8:14",
+        "did you mean 'cases'",
+    ),
+    "no such subject": (
+        "outputs:",
+        "validation: {subject: lag, cases: CASES.csv}\noutputs:",
+        "8:23",
+        "no column 'lag'",
+    ),
+    "validated output": (
+        "outputs:",
+        "validation: {output: flwo, cases: CASES.csv}\noutputs:",
+        "8:22",
+        "did you mean 'flow'",
+    ),
+    "unknown model": (
+        "outputs:",
+        "validation: {models: {a: laplac}, cases: CASES.csv}\noutputs:",
+        "8:26",
+        "did you mean 'laplace'",
+    ),
+    "model option": (
+        "outputs:",
+        "validation: {models: {a: {name: borehole, options: {fine: 1}}}, "
+        "cases: CASES.csv}\noutputs:",
+        "8:53",
+        "option 'fine' is",
+    ),
+    "model key": (
+        "outputs:",
+        "validation: {models: {a: {nam: x, name: borehole}}, cases: CASES.csv}\noutputs:",
+        "8:27",
+        "did you mean 'name'",
+    ),
     "model without the output": (
-        "outputs:", "validation: {models: {a: ishigami}, cases: CASES.csv}\noutputs:", "8:26",
-        "ishigami has no output flow; it has y"),
+        "outputs:",
+        "validation: {models: {a: ishigami}, cases: CASES.csv}\noutputs:",
+        "8:26",
+        "ishigami has no output flow; it has y",
+    ),
     "model called as a surrogate": (
-        "outputs:", "validation: {models: {linear: borehole}, cases: CASES.csv}\noutputs:", "8:23",
-        "'linear' is also a surrogate"),
-    "stored and not there": ("outputs:", "stored: runs/demo.nc\noutputs:", "8:9",
-                             "runs/demo.nc does not exist; `surrogate store` writes"),
-    "one of the stored": ("outputs:", "stored: [runs/demo.nc]\noutputs:", "8:10",
-                          "does not exist"),
+        "outputs:",
+        "validation: {models: {linear: borehole}, cases: CASES.csv}\noutputs:",
+        "8:23",
+        "'linear' is also a surrogate",
+    ),
+    "stored and not there": (
+        "outputs:",
+        "stored: runs/demo.nc\noutputs:",
+        "8:9",
+        "runs/demo.nc does not exist; `surrogate store` writes",
+    ),
+    "one of the stored": ("outputs:", "stored: [runs/demo.nc]\noutputs:", "8:10", "does not exist"),
     "stored is no file": ("outputs:", "stored: 3\noutputs:", "8:9", "must be a list"),
     "doubled key": ("outputs:", "designs:", "9:1", "stands twice"),
     "tab": ("  rw:", "\trw:", "4:1", "not YAML"),
@@ -154,9 +257,20 @@ def test_one_mistake_one_sentence_at_its_place(before, after, place, words):
 
 def test_all_mistakes_at_once():
     """Twelve mistakes in one file give twelve sentences, in the order of the file."""
-    chosen = ["outside the solver", "wrong unit", "unknown unit", "constant too large",
-              "unknown output", "misspelt design", "design option", "unknown regressor",
-              "regressor option", "unknown sensitivity", "misspelt key", "duration"]
+    chosen = [
+        "outside the solver",
+        "wrong unit",
+        "unknown unit",
+        "constant too large",
+        "unknown output",
+        "misspelt design",
+        "design option",
+        "unknown regressor",
+        "regressor option",
+        "unknown sensitivity",
+        "misspelt key",
+        "duration",
+    ]
     text = SOUND
     for name in chosen:
         text = text.replace(*MISTAKES[name][:2], 1)
@@ -169,8 +283,13 @@ def test_all_mistakes_at_once():
 
 def test_a_wrong_option_of_the_solver_hides_no_other_mistake():
     """A solver that cannot be built with its options is built without them to check the rest."""
-    found = mistakes_of(SOUND.replace("{name: borehole}", """{name: leg_bandage, options:
-  {mesh: corse}}""").replace("constants: {Tl: 90}\noutputs: [flow]\n", ""))
+    found = mistakes_of(
+        SOUND.replace(
+            "{name: borehole}",
+            """{name: leg_bandage, options:
+  {mesh: corse}}""",
+        ).replace("constants: {Tl: 90}\noutputs: [flow]\n", "")
+    )
     assert "corse" in found[0] and "no input 'rw'" in found[1], found
 
 
@@ -183,8 +302,14 @@ def test_hardly_a_study(text):
 def test_the_same_words_from_python():
     """Mistakes in Python data are placed by the path of words."""
     with pytest.raises(StudyError, match=r"^designs\.train\.rns: option 'rns' is unknown"):
-        Study.from_mapping({"study": "x", "solver": "borehole", "parameters": {"rw": [0.05, 0.1]},
-                            "designs": {"train": {"method": "sobol", "rns": 8, "runs": 4}}})
+        Study.from_mapping(
+            {
+                "study": "x",
+                "solver": "borehole",
+                "parameters": {"rw": [0.05, 0.1]},
+                "designs": {"train": {"method": "sobol", "rns": 8, "runs": 4}},
+            }
+        )
 
 
 def test_a_constant_in_quotes_keeps_its_unit():
@@ -195,7 +320,8 @@ def test_a_constant_in_quotes_keeps_its_unit():
 def test_a_csv_that_is_not_there(tmp_path):
     """A design's file is looked for beside the study."""
     path = tmp_path / "demo.yaml"
-    path.write_text(SOUND.replace("{method: sobol, runs: 8, seed: 2}",
-                                  "{method: csv, path: points.csv}"))
+    path.write_text(
+        SOUND.replace("{method: sobol, runs: 8, seed: 2}", "{method: csv, path: points.csv}")
+    )
     with pytest.raises(StudyError, match="points.csv"):
         Study.from_yaml(path)

@@ -71,8 +71,14 @@ def installed(tmp_path):
 
 def command(installed, *words):
     place, environment = installed
-    return subprocess.run([sys.executable, "-m", "surrogate", *words], cwd=place, text=True,
-                          env=environment, capture_output=True, timeout=300)
+    return subprocess.run(
+        [sys.executable, "-m", "surrogate", *words],
+        cwd=place,
+        text=True,
+        env=environment,
+        capture_output=True,
+        timeout=300,
+    )
 
 
 def test_a_third_party_package_needs_no_edit_here(installed):
@@ -92,11 +98,14 @@ def test_a_plugin_that_does_not_load_is_an_error(installed):
     assert "does not load" in command(installed, "list").stdout
 
 
-@pytest.mark.parametrize("name, words", [
-    ("no_module_of_this_name:Thing", "does not load: ModuleNotFoundError"),
-    ("json:NoSuchClass", "does not load: AttributeError"),
-    ("bohrehole", "did you mean 'borehole'"),
-])
+@pytest.mark.parametrize(
+    "name, words",
+    [
+        ("no_module_of_this_name:Thing", "does not load: ModuleNotFoundError"),
+        ("json:NoSuchClass", "does not load: AttributeError"),
+        ("bohrehole", "did you mean 'borehole'"),
+    ],
+)
 def test_names_that_lead_nowhere(name, words):
     """Unknown names and paths are PluginErrors that say what is known."""
     with pytest.raises(PluginError, match=words):
@@ -127,21 +136,32 @@ class Unbuildable:
         raise RuntimeError("no licence")
 
 
-@pytest.mark.parametrize("name, words", [
-    ("raises", r"'test_plugins:raises' fails: KeyError: 'no idea of 3' \(test_plugins.py, line"),
-    ("gives_nothing", r"gave an array of shape \(\); it must give coded points \(run, 3\)"),
-    ("gives_too_many_columns", r"gave an array of shape \(9, 4\)"),
-    ("gives_gaps", "all finite"),
-    ("not_callable", "is not a method"),
-])
+@pytest.mark.parametrize(
+    "name, words",
+    [
+        (
+            "raises",
+            r"'test_plugins:raises' fails: KeyError: 'no idea of 3' \(test_plugins.py, line",
+        ),
+        ("gives_nothing", r"gave an array of shape \(\); it must give coded points \(run, 3\)"),
+        ("gives_too_many_columns", r"gave an array of shape \(9, 4\)"),
+        ("gives_gaps", "all finite"),
+        ("not_callable", "is not a method"),
+    ],
+)
 def test_a_design_of_a_stranger_that_goes_wrong_is_a_mistake_of_the_study(name, words):
     """It stands among the other mistakes, with its place."""
     part = {"method": f"{__name__}:{name}"}
-    data = {"study": "strange", "solver": "ishigami",
-            "parameters": {name: [-1, 1] for name in ("X1", "X2", "X3")},
-            "designs": {"train": part, "test": {"method": "latin_hypercube", "runs": 9,
-                                                "augment": [part]}},
-            "surrogates": {"unbuildable": f"{__name__}:Unbuildable"}}
+    data = {
+        "study": "strange",
+        "solver": "ishigami",
+        "parameters": {name: [-1, 1] for name in ("X1", "X2", "X3")},
+        "designs": {
+            "train": part,
+            "test": {"method": "latin_hypercube", "runs": 9, "augment": [part]},
+        },
+        "surrogates": {"unbuildable": f"{__name__}:Unbuildable"},
+    }
     with pytest.raises(StudyError, match=words) as caught:
         Study.from_mapping(data)
     train, test, unbuildable = caught.value.mistakes
@@ -162,15 +182,23 @@ class Sketch:
 
 def test_a_solver_that_describes_itself_in_other_words_is_a_mistake_of_the_study():
     with pytest.raises(StudyError) as caught:
-        Study.from_mapping({"study": "strange", "solver": f"{__name__}:Sketch",
-                            "parameters": {"X1": [-1, 1]}, "designs": {"train": "sobol"}})
+        Study.from_mapping(
+            {
+                "study": "strange",
+                "solver": f"{__name__}:Sketch",
+                "parameters": {"X1": [-1, 1]},
+                "designs": {"train": "sobol"},
+            }
+        )
     assert [s.partition("its ")[2] for s in caught.value.mistakes if "not a solver" in s] == [
         "inputs must map names to surrogate.solver.Input",
-        "outputs must map names to surrogate.solver.Output"]
+        "outputs must map names to surrogate.solver.Output",
+    ]
 
 
 def test_options_are_checked_against_the_signature():
     """Names and annotated types of options; `given` ones are not the user's."""
+
     def method(space, *, runs: int, seed=None):
         return space, runs, seed
 
@@ -178,8 +206,9 @@ def test_options_are_checked_against_the_signature():
         return [sentence for _, sentence in plugins.option_mistakes(method, options, ("space",))]
 
     assert problems(runs=3) == []
-    assert problems(rnus=3) == ["option 'rnus' is unknown; did you mean 'runs'? "
-                                "Allowed: runs, seed"]
+    assert problems(rnus=3) == [
+        "option 'rnus' is unknown; did you mean 'runs'? Allowed: runs, seed"
+    ]
     assert problems(space=1, runs=1)[0].startswith("option 'space' is unknown")
     assert "'three' is not accepted" in problems(runs="three")[0]
     assert problems() == ["option 'runs' is needed"]

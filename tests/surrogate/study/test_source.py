@@ -20,12 +20,17 @@ def test_positions_of_keys_and_values():
     assert source.sentence(("parameters", "a", 1, "deeper"), "no") == "s.yaml:3:10: no"
 
 
-@pytest.mark.parametrize("text, words", [
-    ("a: 1\na: 2", "2:1: 'a' stands twice"), ("a: [1, 2", "this is not YAML"),
-    ("a:\n\t- 1", "indent with spaces"),
-    ("a: &a [*a]", "s.yaml: this is not YAML: an alias"), ("a: !!int x", "this is not YAML: .*'x'"),
-    ("a: !!python/object:os.system {}", "not YAML"),
-])
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("a: 1\na: 2", "2:1: 'a' stands twice"),
+        ("a: [1, 2", "this is not YAML"),
+        ("a:\n\t- 1", "indent with spaces"),
+        ("a: &a [*a]", "s.yaml: this is not YAML: an alias"),
+        ("a: !!int x", "this is not YAML: .*'x'"),
+        ("a: !!python/object:os.system {}", "not YAML"),
+    ],
+)
 def test_bad_yaml_is_a_sentence_with_its_place(text, words):
     """Syntax errors, doubled keys and tabs."""
     with pytest.raises(StudyError, match=words):

@@ -7,10 +7,12 @@ from scipy import stats
 from surrogate.validation.agreement import FIGURES, agreement
 
 #: Bland and Altman 1986, Table 1: peak expiratory flow rate (l/min), first measurements.
-WRIGHT = np.array([494, 395, 516, 434, 476, 557, 413, 442, 650, 433, 417, 656, 267, 478, 178,
-                   423, 427.0])
-MINI = np.array([512, 430, 520, 428, 500, 600, 364, 380, 658, 445, 432, 626, 260, 477, 259,
-                 350, 451.0])
+WRIGHT = np.array(
+    [494, 395, 516, 434, 476, 557, 413, 442, 650, 433, 417, 656, 267, 478, 178, 423, 427.0]
+)
+MINI = np.array(
+    [512, 430, 520, 428, 500, 600, 364, 380, 658, 445, 432, 626, 260, 477, 259, 350, 451.0]
+)
 
 
 def test_bland_and_altman_1986():

@@ -65,8 +65,14 @@ def test_cases_are_read_set_aside_and_predicted(tmp_path):
     np.testing.assert_allclose(said.sel(model="quadratic").isel(case=[0, 3]), one.predict(coded))
     low, high = one.interval(coded)
     np.testing.assert_allclose(table["low"].sel(model="quadratic", output="flow")[[0, 3]], low)
-    exact = study.recipe.solver(**{name: i.nominal for name, i in study.recipe.solver.inputs.items()
-                                   if i.nominal is not None} | {"rw": 0.1, "Hu": 1000, "L": 1200})
+    exact = study.recipe.solver(
+        **{
+            name: i.nominal
+            for name, i in study.recipe.solver.inputs.items()
+            if i.nominal is not None
+        }
+        | {"rw": 0.1, "Hu": 1000, "L": 1200}
+    )
     assert said.sel(model="again")[0] == pytest.approx(exact["flow"])
     assert (table["n"] == 2).all()
     for key, value in agreement([80, 45], said.sel(model="quadratic")[[0, 3]]).items():
@@ -79,9 +85,11 @@ def test_cases_are_read_set_aside_and_predicted(tmp_path):
 
 def test_another_study_gives_the_cases(tmp_path):
     """Runs of a better solver: run first, beside; constants are columns, units are converted."""
-    (tmp_path / "better.yaml").write_text(TEXT.replace("study: checked", "study: better").replace(
-        "designs:", "constants: {Tl: 100}\ndesigns:").replace("runs: 25, seed: 1",
-                                                             "runs: 12, seed: 5"))
+    (tmp_path / "better.yaml").write_text(
+        TEXT.replace("study: checked", "study: better")
+        .replace("designs:", "constants: {Tl: 100}\ndesigns:")
+        .replace("runs: 25, seed: 1", "runs: 12, seed: 5")
+    )
     study = write(tmp_path, TEXT.replace("wells.csv", "better.yaml"))
     folder = tmp_path / "results/checked"
     first = results.complete(study, folder, workers=1)
@@ -91,8 +99,7 @@ def test_another_study_gives_the_cases(tmp_path):
     assert table.sizes["case"] == 12 and table.attrs["cases"] == "better"
     # the formula is called with the cases' Tl and is right; the surrogate knows the nominal only
     assert float(table["rmse"].sel(model="again", output="flow")) < 1e-9
-    assert "the cases have Tl 100 m^2/year; the study fixes it at 89.55" in \
-        table.attrs["notes"]
+    assert "the cases have Tl 100 m^2/year; the study fixes it at 89.55" in table.attrs["notes"]
     assert first.summary["validation"]["n"]["values"] == [[12.0]] * 3
     page = first.report.read_text()
     assert "Validation" in page and "12 cases from better" in page and "lower limit" in page
@@ -101,12 +108,21 @@ def test_another_study_gives_the_cases(tmp_path):
 
 def test_levels_that_the_study_fixes_are_told(tmp_path):
     """A choice that the study fixes and the cases vary is as much a difference as a number."""
-    study = Study.from_mapping({
-        "study": "fixed", "solver": "misbehaving:Misbehaving", "parameters": {"x": [0, 2]},
-        "outputs": ["square"], "designs": {"train": {"method": "sobol", "runs": 4}}})
+    study = Study.from_mapping(
+        {
+            "study": "fixed",
+            "solver": "misbehaving:Misbehaving",
+            "parameters": {"x": [0, 2]},
+            "outputs": ["square"],
+            "designs": {"train": {"method": "sobol", "runs": 4}},
+        }
+    )
     path = tmp_path / "cases.csv"
-    for cell, words in (("raise", "the cases have way raise; the study fixes it at well, so"),
-                        ("well", ""), ("", "")):
+    for cell, words in (
+        ("raise", "the cases have way raise; the study fixes it at well, so"),
+        ("well", ""),
+        ("", ""),
+    ):
         path.write_text(f"x,way,square\n1,{cell},1\n1.5,well,2\n")
         assert study.validate({}, path).attrs["notes"].startswith(words)
         assert bool(study.validate({}, path).attrs["notes"]) == bool(words)
@@ -151,8 +167,12 @@ class Scaled:
     def __call__(self, rw, Tl):
         return {"flow": 1000.0 * (rw + 1e-6 * Tl)}
 """)
-    study = write(tmp_path, TEXT.replace("again: borehole", "other: 'metric:Scaled'").replace(
-        "designs:", "constants: {Tl: 90}\ndesigns:"))
+    study = write(
+        tmp_path,
+        TEXT.replace("again: borehole", "other: 'metric:Scaled'").replace(
+            "designs:", "constants: {Tl: 90}\ndesigns:"
+        ),
+    )
     table = study.validate({}).sel(model="other", output="flow")
     np.testing.assert_allclose(table["prediction"][[0, 1, 3]], [190.0, 210.0, 170.0])
 
@@ -181,10 +201,10 @@ class Fragile:
 @pytest.mark.parametrize("column, said", [("subject", ""), ("who", "subject: who, ")])
 def test_several_cases_a_subject(tmp_path, column, said):
     """A column that tells the subject: both parts of the scatter, as `agreement` has them."""
-    wells = (f"{column},rw,Hu,L,flow\nA,0.1,1000,1200,80\nA,0.1,1000,1300,70\n"
-             "B,0.1,1050,1400,90\n")
-    study = write(tmp_path, text=TEXT.replace("validation: {", f"validation: {{{said}"),
-                  wells=wells)
+    wells = f"{column},rw,Hu,L,flow\nA,0.1,1000,1200,80\nA,0.1,1000,1300,70\nB,0.1,1050,1400,90\n"
+    study = write(
+        tmp_path, text=TEXT.replace("validation: {", f"validation: {{{said}"), wells=wells
+    )
     fitted(study, tmp_path)
     folder = tmp_path / "results/checked"
     table, page = results.validate(study, folder)
@@ -199,8 +219,12 @@ WRONG = {
     "cell": ("0.12,", "wide,", r"wells.csv:4: rw: 'wide' is not a number"),
     "empty cell": ("0.12,", ",", r"wells.csv:4: rw: there is no value"),
     "unit": ("8 cm", "8 kg", r"wells.csv:6: rw: unit 'kg' does not convert"),
-    "missing column": ("case,date,rw", "case,date,rww", r"no column for parameter 'rw'; did you "
-                                                        "mean 'rww'"),
+    "missing column": (
+        "case,date,rw",
+        "case,date,rww",
+        r"no column for parameter 'rw'; did you "
+        "mean 'rww'",
+    ),
     "no output": (",flow", ",flux", "no column for any scalar output of the study: flow"),
     "short row": ("80\n", "\n", None),
     "long row": ("80\n", "80,1\n", "wells.csv:3: 7 cells where the first line names 6"),

@@ -158,8 +158,14 @@ def test_digits_do_not_depend_on_the_number_of_threads(engine):
             system = System(parts, start.size, leg.fixed_dofs(), engine)
             residual, tangent = system.linearise(u)
             packed = system.pack(tangent())
-            answers.append((residual, packed, system.solve(packed, residual),
-                            system.solve(1.01 * packed, residual)))
+            answers.append(
+                (
+                    residual,
+                    packed,
+                    system.solve(packed, residual),
+                    system.solve(1.01 * packed, residual),
+                )
+            )
     for one, two in zip(*answers, strict=True):
         assert np.array_equal(one, two)
 

@@ -44,11 +44,13 @@ def test_warp_force_and_slope_are_derivatives():
     stretch = np.array([0.95, 1.05, 1.2, 1.45, 1.66, 1.9])
     for fabric in (Fabric(K1=0.33, **REST), Fabric(K1=0.33, curve=CURVE, **REST)):
         ahead, behind = (fabric.warp_energy(stretch + h) for h in (1e-5, -1e-5))
-        np.testing.assert_allclose(fabric.warp_force(stretch)[0], (ahead - behind) / 2e-5,
-                                   rtol=1e-7)
+        np.testing.assert_allclose(
+            fabric.warp_force(stretch)[0], (ahead - behind) / 2e-5, rtol=1e-7
+        )
         ahead, behind = (fabric.warp_force(stretch + h)[0] for h in (1e-6, -1e-6))
-        np.testing.assert_allclose(fabric.warp_force(stretch)[1], (ahead - behind) / 2e-6,
-                                   rtol=1e-7)
+        np.testing.assert_allclose(
+            fabric.warp_force(stretch)[1], (ahead - behind) / 2e-6, rtol=1e-7
+        )
 
 
 def test_curve_is_scaled_to_the_asked_tension():

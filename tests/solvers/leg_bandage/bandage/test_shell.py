@@ -93,8 +93,9 @@ def test_slack_tangent_stays_positive_in_compression():
     assert lowest[0] > -1e-12
     assert lowest[1] < -1e-3
     shortening = (start * [1, 0, 0]).ravel()
-    np.testing.assert_allclose(matrix(slack, u) @ shortening, matrix(exact, u) @ shortening,
-                               atol=1e-13)
+    np.testing.assert_allclose(
+        matrix(slack, u) @ shortening, matrix(exact, u) @ shortening, atol=1e-13
+    )
     np.testing.assert_array_equal(slack.linearise(u)[0], exact.linearise(u)[0])
 
 
@@ -104,8 +105,9 @@ def test_rigid_motion_costs_nothing():
     start = laid(strip, size)
     shell = Shell(strip, size, STIFF, start)
     c, s = np.cos(1.2), np.sin(1.2)
-    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array([[1, 0, 0], [0, c, s],
-                                                                    [0, -s, c]])
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array(
+        [[1, 0, 0], [0, c, s], [0, -s, c]]
+    )
     u = (start @ turn.T + [5, -3, 2] - start).ravel()
     assert np.abs(shell.linearise(u)[0]).max() < 1e-12
     assert shell.energy(u) < 1e-24

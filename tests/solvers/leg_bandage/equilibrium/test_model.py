@@ -122,26 +122,32 @@ def test_a_run_that_does_not_converge_says_so(result, monkeypatch):
         loading.solve(result.model)
 
 
-@pytest.mark.parametrize("options, words", [
-    ({"mesh": "medum"}, "did you mean 'medium'"),
-    ({"fabric": "biflex_18"}, "biflex_16"),
-    ({"cohort": "no.npz"}, "no.npz is not a file of legs.*build-cohort"),
-])
+@pytest.mark.parametrize(
+    "options, words",
+    [
+        ({"mesh": "medum"}, "did you mean 'medium'"),
+        ({"fabric": "biflex_18"}, "biflex_16"),
+        ({"cohort": "no.npz"}, "no.npz is not a file of legs.*build-cohort"),
+    ],
+)
 def test_wrong_options(options, words):
     """The value, what is allowed, the nearest spelling."""
     with pytest.raises(StudyError, match=words):
         LegBandage(**options)
 
 
-@pytest.mark.parametrize("inputs, words", [
-    ({"tensoin": 0.1}, "did you mean 'tension'"),
-    ({"wrapping": "spiral"}, "prescribed, progressive"),
-    ({"tension_law": "curve"}, "did you mean 'curved'"),
-    ({"start_height": 200}, "between -30 and 60 mm"),
-    ({"tension": 0.4}, r"tension: 0.4 N/mm is not between 0.02 and 0.25 N/mm"),
-    ({"leg_length": 140.0, "width": 120.0, "overlap": 0.2}, "turns"),
-    ({"alpha1": -0.4, "alpha2": 0.25, "alpha4": 0.2}, "not a possible leg"),
-])
+@pytest.mark.parametrize(
+    "inputs, words",
+    [
+        ({"tensoin": 0.1}, "did you mean 'tension'"),
+        ({"wrapping": "spiral"}, "prescribed, progressive"),
+        ({"tension_law": "curve"}, "did you mean 'curved'"),
+        ({"start_height": 200}, "between -30 and 60 mm"),
+        ({"tension": 0.4}, r"tension: 0.4 N/mm is not between 0.02 and 0.25 N/mm"),
+        ({"leg_length": 140.0, "width": 120.0, "overlap": 0.2}, "turns"),
+        ({"alpha1": -0.4, "alpha2": 0.25, "alpha4": 0.2}, "not a possible leg"),
+    ],
+)
 def test_wrong_inputs(inputs, words):
     """A sentence, before anything is solved."""
     with pytest.raises(SolverError, match=words):

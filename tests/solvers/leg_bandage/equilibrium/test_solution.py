@@ -22,8 +22,16 @@ from surrogate_solvers.leg_bandage.verification.mandrel import ring_wrap, wind
 @pytest.fixture
 def ring():
     """A band on an elliptic cylinder, released but not yet in equilibrium."""
-    wound = wind(Mandrel(50, 44), ring_wrap(20), at_tension(0.098), ContactLaw(0.2), 48, 4,
-                 ring=True, tolerances=Tolerances(force=1e-9, passing=1e-9))
+    wound = wind(
+        Mandrel(50, 44),
+        ring_wrap(20),
+        at_tension(0.098),
+        ContactLaw(0.2),
+        48,
+        4,
+        ring=True,
+        tolerances=Tolerances(force=1e-9, passing=1e-9),
+    )
     wound.skin.release(np.zeros(wound.X.size))
     return wound
 
@@ -34,7 +42,8 @@ def test_newton_ends_quadratically(ring, monkeypatch):
     problem.viscosity.coefficient = 1e-4
     measured = Problem._size
     monkeypatch.setattr(
-        Problem, "_size", lambda self, r: sizes.append(measured(self, r)) or sizes[-1])
+        Problem, "_size", lambda self, r: sizes.append(measured(self, r)) or sizes[-1]
+    )
     problem.newton(np.zeros(ring.X.size))
     assert sizes[-1] < 1e-9
     last = [size for size in sizes if size > 1e-10][-3:]

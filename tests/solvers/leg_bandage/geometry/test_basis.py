@@ -37,14 +37,16 @@ def test_eckart_young(snapshots):
 
 def test_all_modes_give_every_leg_back(snapshots):
     basis = fit_basis(snapshots, 35)
-    np.testing.assert_allclose(basis.reconstruct(basis.project(snapshots.T)), snapshots.T,
-                               atol=1e-12)
+    np.testing.assert_allclose(
+        basis.reconstruct(basis.project(snapshots.T)), snapshots.T, atol=1e-12
+    )
 
 
 def test_signs_do_not_depend_on_the_order_of_the_legs(snapshots):
     shuffled = snapshots[:, np.random.default_rng(0).permutation(35)]
-    np.testing.assert_allclose(fit_basis(shuffled, 4).modes, fit_basis(snapshots, 4).modes,
-                               atol=1e-9)
+    np.testing.assert_allclose(
+        fit_basis(shuffled, 4).modes, fit_basis(snapshots, 4).modes, atol=1e-9
+    )
     assert np.all(shipped_basis(4).training[:, 0] < 0)
 
 

@@ -24,7 +24,8 @@ def every_leg():
     for cohort in (load_cohort("train"), load_cohort("val")):
         alphas = shipped_basis().project(cohort.snapshots().T)
         for length, coefficients, centre, shape in zip(
-                cohort.length, cohort.coefficients, cohort.centre, alphas, strict=True):
+            cohort.length, cohort.coefficients, cohort.centre, alphas, strict=True
+        ):
             yield Leg.from_sections(length, coefficients, centre)
             yield Leg.from_alphas(length, shape)
 
@@ -73,8 +74,11 @@ def shipped_box():
     return [(length.min(), length.max()), *shipped_basis().ranges]
 
 
-@pytest.mark.parametrize("box", [shipped_box(), [*TABLE_II, tuple(shipped_basis().ranges[3])]],
-                         ids=["shipped", "table II with the shipped alpha4"])
+@pytest.mark.parametrize(
+    "box",
+    [shipped_box(), [*TABLE_II, tuple(shipped_basis().ranges[3])]],
+    ids=["shipped", "table II with the shipped alpha4"],
+)
 def test_every_corner_of_a_study_is_a_leg(box):
     """All 32 corners of length and alphas; the bones shrink by less than 15 %, 40 mm beyond."""
     for corner in itertools.product(*box):
@@ -96,8 +100,11 @@ def test_corners_of_table_ii_on_the_shipped_basis():
 
 def test_bones_scale_with_the_leg():
     small, large = (Leg.from_alphas(length, shipped_basis().mean) for length in (200, 300))
-    np.testing.assert_allclose(bone_of(large).surface(THETA, 150.0)[..., :2],
-                               1.5 * bone_of(small).surface(THETA, 100.0)[..., :2], rtol=1e-9)
+    np.testing.assert_allclose(
+        bone_of(large).surface(THETA, 150.0)[..., :2],
+        1.5 * bone_of(small).surface(THETA, 100.0)[..., :2],
+        rtol=1e-9,
+    )
 
 
 def test_bones_shrink_where_the_skin_is_hollow():
@@ -110,11 +117,14 @@ def test_bones_shrink_where_the_skin_is_hollow():
     assert cover(leg, THETA, leg.z).min() == pytest.approx(LEAST_COVER, abs=0.3)
 
 
-@pytest.mark.parametrize("alphas, sentence", [
-    ((-0.503, 0.119, 0.068, 0.095), r"meets the bones at height \d+ mm.*fit only at \d+%"),
-    ((-0.503, 0.119, 0.068, -0.081), r"out of line at height 1\d\d mm, 3\d\d degrees"),
-    ((-0.5, 0.5, 0.0, 0.0), r"skin is -?\d+\.\d mm from the centre line .* at height \d+ mm"),
-])
+@pytest.mark.parametrize(
+    "alphas, sentence",
+    [
+        ((-0.503, 0.119, 0.068, 0.095), r"meets the bones at height \d+ mm.*fit only at \d+%"),
+        ((-0.503, 0.119, 0.068, -0.081), r"out of line at height 1\d\d mm, 3\d\d degrees"),
+        ((-0.5, 0.5, 0.0, 0.0), r"skin is -?\d+\.\d mm from the centre line .* at height \d+ mm"),
+    ],
+)
 def test_impossible_legs_are_refused_with_the_place(alphas, sentence):
     with pytest.raises(SolverError, match=sentence) as refusal:
         check_leg(Leg.from_alphas(237.9, alphas))

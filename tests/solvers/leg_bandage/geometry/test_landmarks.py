@@ -53,8 +53,12 @@ def test_profile_rule_finds_the_most_hollow_level():
     bend = np.poly1d([-1 / 3600, 120 / 3600, 0.0]) / 1000
     slope = bend.integ() - 0.02
     radius = slope.integ() + 40
-    exact = minimize_scalar(lambda z: -bend(z) / (1 + slope(z) ** 2) ** 1.5, bounds=(20, 90),
-                            method="bounded", options={"xatol": 1e-6}).x
+    exact = minimize_scalar(
+        lambda z: -bend(z) / (1 + slope(z) ** 2) ** 1.5,
+        bounds=(20, 90),
+        method="bounded",
+        options={"xatol": 1e-6},
+    ).x
     assert b1_height(round_leg(radius(Z)), "profile") == pytest.approx(exact, abs=1e-3)
 
 
@@ -82,8 +86,11 @@ def test_disc_integrates_over_a_cylinder_exactly():
     theta, z, weights = Disc(MEDIAL, 100.0).points(round_leg(45.0 + 0 * Z))
     s, t = 45 * (theta - MEDIAL), z - 100
     assert weights.sum() == pytest.approx(1)
-    np.testing.assert_allclose([weights @ s**2, weights @ t**2, weights @ (s * t) ** 2],
-                               [25**2 / 4, 25**2 / 4, 25**4 / 24], rtol=1e-6)
+    np.testing.assert_allclose(
+        [weights @ s**2, weights @ t**2, weights @ (s * t) ** 2],
+        [25**2 / 4, 25**2 / 4, 25**4 / 24],
+        rtol=1e-6,
+    )
 
 
 def test_disc_walks_true_arc_lengths_on_an_ellipse():
@@ -105,8 +112,9 @@ def test_mask_covers_the_area_of_the_disc():
     leg = Leg.from_alphas(237.6, shipped_basis().mean)
     theta = np.radians(np.arange(0, 360, 1.0))[:, None]
     z = np.arange(0, 200, 1.0)
-    area = np.linalg.norm(np.cross(leg.surface(theta, z, 1, 0), leg.surface(theta, z, 0, 1)),
-                          axis=-1) * np.radians(1.0)
+    area = np.linalg.norm(
+        np.cross(leg.surface(theta, z, 1, 0), leg.surface(theta, z, 0, 1)), axis=-1
+    ) * np.radians(1.0)
     covered = area[sensor(leg).mask(leg, theta, z)].sum()
     assert covered == pytest.approx(np.pi * 25**2, rel=0.03)
 

@@ -22,8 +22,9 @@ def leg_of(function, length=200.0, sections=100):
     """A leg whose sections have radius function(theta, z)."""
     theta = np.linspace(0, 2 * np.pi, 400, endpoint=False)
     radii = [function(theta, z) * np.ones_like(theta) for z in np.linspace(0, length, sections)]
-    return Leg.from_sections(length, section.fit_series(theta, np.array(radii)),
-                             np.zeros((sections, 2)))
+    return Leg.from_sections(
+        length, section.fit_series(theta, np.array(radii)), np.zeros((sections, 2))
+    )
 
 
 def test_cylinder():
@@ -36,8 +37,7 @@ def test_limacon():
     """r = a + b cos t: curvature (a^2 + 2 b^2 + 3 a b cos t) / (a^2 + b^2 + 2 a b cos t)^1.5."""
     a, b, t = 45.0, 12.0, np.linspace(0, 2 * np.pi, 37)
     leg = leg_of(lambda theta, z: a + b * np.cos(theta))
-    exact = (a**2 + 2 * b**2 + 3 * a * b * np.cos(t)) / (
-        a**2 + b**2 + 2 * a * b * np.cos(t)) ** 1.5
+    exact = (a**2 + 2 * b**2 + 3 * a * b * np.cos(t)) / (a**2 + b**2 + 2 * a * b * np.cos(t)) ** 1.5
     np.testing.assert_allclose(leg.curvature(t, 60.0), exact, rtol=1e-10)
 
 
@@ -47,16 +47,18 @@ def test_nearly_circular_ellipse():
     leg = leg_of(lambda t, z: a * b / np.hypot(b * np.cos(t), a * np.sin(t)))
     girth = 4 * a * ellipe(1 - b**2 / a**2)
     np.testing.assert_allclose(leg.girth(100.0), girth, rtol=1e-6)
-    np.testing.assert_allclose(leg.curvature([0.0, np.pi / 2], 100.0), [a / b**2, b / a**2],
-                               rtol=2e-3)
+    np.testing.assert_allclose(
+        leg.curvature([0.0, np.pi / 2], 100.0), [a / b**2, b / a**2], rtol=2e-3
+    )
 
 
 def test_cone():
     """r = 30 + 0.1 z: a straight generator inside, second derivative zero."""
     leg = leg_of(lambda theta, z: 30 + 0.1 * z)
     z = np.linspace(0, 200, 7)
-    np.testing.assert_allclose(leg.radius(THETA, z), np.broadcast_to(30 + 0.1 * z, (60, 7)),
-                               rtol=1e-10)
+    np.testing.assert_allclose(
+        leg.radius(THETA, z), np.broadcast_to(30 + 0.1 * z, (60, 7)), rtol=1e-10
+    )
     np.testing.assert_allclose(leg.radius(0.3, z, d_z=1), 0.1, rtol=1e-8)
     np.testing.assert_allclose(leg.radius(0.3, z, d_z=2), 0.0, atol=1e-9)
 
@@ -69,8 +71,9 @@ def test_derivatives_against_differences(mean_leg, d_theta, d_z):
     step = (h, 0) if d_theta else (0, h)
     ahead = mean_leg.surface(THETA + step[0], z + step[1], *lower)
     behind = mean_leg.surface(THETA - step[0], z - step[1], *lower)
-    np.testing.assert_allclose(mean_leg.surface(THETA, z, d_theta, d_z),
-                               (ahead - behind) / (2 * h), atol=2e-6)
+    np.testing.assert_allclose(
+        mean_leg.surface(THETA, z, d_theta, d_z), (ahead - behind) / (2 * h), atol=2e-6
+    )
 
 
 @pytest.mark.parametrize("cut", [0.0, 237.6])
@@ -93,8 +96,9 @@ def test_extension_stays_a_leg():
 def test_spline_passes_through_the_sections_to_their_noise():
     """0.05 mm is far below the 0.11 mm that five harmonics miss of a section."""
     cohort = load_cohort("train")
-    for length, coefficients, centre in zip(cohort.length, cohort.coefficients, cohort.centre,
-                                            strict=True):
+    for length, coefficients, centre in zip(
+        cohort.length, cohort.coefficients, cohort.centre, strict=True
+    ):
         leg = Leg.from_sections(length, coefficients, centre)
         given = section.radius(coefficients, THETA)
         assert np.abs(leg.radius(THETA, leg.z) - given).max() < 0.05

@@ -59,8 +59,13 @@ stored: pressure.nc
 def answer(leg, tension, mu_skin=0.2):
     """pressure_b1 of data/cheap_leg.py."""
     alphas = np.asarray(leg.alphas)
-    return (300 * tension + 20 * (mu_skin - 0.2) + 0.05 * (leg.length - 237)
-            + alphas @ [10, 5, -4, 3] + 10)
+    return (
+        300 * tension
+        + 20 * (mu_skin - 0.2)
+        + 0.05 * (leg.length - 237)
+        + alphas @ [10, 5, -4, 3]
+        + 10
+    )
 
 
 @pytest.fixture(scope="module")
@@ -84,8 +89,9 @@ def unseen_leg():
 
 @pytest.fixture(scope="module")
 def scan_file(tmp_path_factory):
-    return virtual.save(tmp_path_factory.mktemp("scan") / "leg.stl",
-                        *virtual.leg_mesh(unseen_leg()))
+    return virtual.save(
+        tmp_path_factory.mktemp("scan") / "leg.stl", *virtual.leg_mesh(unseen_leg())
+    )
 
 
 @pytest.fixture(scope="module")
@@ -128,8 +134,10 @@ def test_parts_of_the_interval(told):
 
 def test_leg_that_laplace_cannot_answer_is_not_corrected(scan, study, monkeypatch):
     """A leg without a calf has no B1: the wider part of the shape is then in the interval."""
-    monkeypatch.setattr("surrogate_solvers.leg_bandage.prediction.prediction.by_laplace_if_it_can",
-                        lambda leg, tension: None)
+    monkeypatch.setattr(
+        "surrogate_solvers.leg_bandage.prediction.prediction.by_laplace_if_it_can",
+        lambda leg, tension: None,
+    )
     found = predict_pressure(scan, wear(tension=0.1), Reduced.read(study))
     assert found.factor is None and found.value == found.on_modes
     part = next(part for part in found.parts if part.name == "leg shape")
@@ -145,8 +153,9 @@ def test_known_friction_leaves_its_part_out(scan, study):
 
 def test_friction_that_never_lowers_the_pressure_has_no_lower_part(told):
     """An interval is as wide as its parts on each side, not as the wider one on both."""
-    sides = interval.joined(10.0, [interval.Part("a", -3.0, 0.0, ""),
-                                   interval.Part("b", -4.0, 1.0, "")])
+    sides = interval.joined(
+        10.0, [interval.Part("a", -3.0, 0.0, ""), interval.Part("b", -4.0, 1.0, "")]
+    )
     assert sides == (5.0, 11.0)
 
 
@@ -157,7 +166,8 @@ def test_laplace_is_n_T_mean_curvature(told, scan):
     own = 2 * told.worn.effective_tension * weights @ leg.curvature(theta, z) / 1.33322e-4
     assert told.laplace["scanned"] == pytest.approx(own, rel=0.01)
     assert told.laplace["fitted"] == pytest.approx(
-        shape.by_laplace(scan.leg, told.worn.effective_tension))
+        shape.by_laplace(scan.leg, told.worn.effective_tension)
+    )
 
 
 def test_shape_law():
@@ -167,11 +177,14 @@ def test_shape_law():
     """
     law = shape.shape_law()
     stored = json.loads((shape.DATA / "four_modes.json").read_text())
-    told = [np.log(shape.by_laplace(own) / shape.by_laplace(modes))
-            for own, modes in map(shape.both_ways, stored["leg"])]
+    told = [
+        np.log(shape.by_laplace(own) / shape.by_laplace(modes))
+        for own, modes in map(shape.both_ways, stored["leg"])
+    ]
     ratio = np.log(np.array(stored["own"]) / stored["modes"])
     assert law.exponent == pytest.approx(
-        np.linalg.lstsq(np.array(told)[:, None], ratio, rcond=None)[0][0])
+        np.linalg.lstsq(np.array(told)[:, None], ratio, rcond=None)[0][0]
+    )
     assert len(law.missed) >= 20 and (law.corrected**2).sum() < 0.7 * (law.missed**2).sum()
     assert law.error() < law.error(corrected=False)
     assert law.factor({"scanned": 20.0, "fitted": 20.0}) == 1.0
@@ -183,8 +196,10 @@ def test_person_md_prints_what_the_legs_say():
     rms = {name: np.sqrt((getattr(law, name) ** 2).mean()) for name in ("missed", "corrected")}
     assert f"On {len(law.missed)} validation legs" in text
     assert f"| four modes | {100 * rms['missed']:.1f} % | {100 * law.error(False):.1f} % |" in text
-    assert (f"b = {law.exponent:.2f}, each leg left out of its own b | "
-            f"{100 * rms['corrected']:.1f} % | {100 * law.error():.1f} % |") in text
+    assert (
+        f"b = {law.exponent:.2f}, each leg left out of its own b | "
+        f"{100 * rms['corrected']:.1f} % | {100 * law.error():.1f} % |"
+    ) in text
 
 
 def test_leg_outside_the_runs_is_answered_and_flagged(study, tmp_path):
@@ -203,16 +218,20 @@ def test_study_that_varies_the_stretch_is_given_the_stretch(scan, study):
     assert reduced.inputs(leg, worn)["tension"] == pytest.approx(0.1 * 0.2 / 0.3)
     text = TEXT.replace("  mu_skin:  ", "  stretch:    [1.1, 1.4]\n  mu_skin:  ")
     text = text.replace('"cheap_leg:CheapLeg"', "leg_bandage").replace("stored: pressure.nc\n", "")
-    varied = replace(reduced, study=Study.from_text(text + "outputs: [pressure_b1, "
-                                                           "pressure_field]\n"))
+    varied = replace(
+        reduced, study=Study.from_text(text + "outputs: [pressure_b1, pressure_field]\n")
+    )
     given = varied.inputs(leg, worn)
     assert (given["tension"], given["stretch"]) == (0.1, 1.2)
 
 
-@pytest.mark.parametrize("change, sentence", [
-    (("  at_b1: {", "  at_B1: {"), "needs a surrogate named 'at_b1'; did you mean 'at_B1'?"),
-    (("leg_length: [185.1, 289.9]", "leg_length: [1, 2]"), "none of its runs is stored"),
-])
+@pytest.mark.parametrize(
+    "change, sentence",
+    [
+        (("  at_b1: {", "  at_B1: {"), "needs a surrogate named 'at_b1'; did you mean 'at_B1'?"),
+        (("leg_length: [185.1, 289.9]", "leg_length: [1, 2]"), "none of its runs is stored"),
+    ],
+)
 def test_study_that_cannot_predict(study, tmp_path, change, sentence):
     for name in ("cheap_leg.py", "pressure.nc"):
         shutil.copy(study.parent / name, tmp_path)
@@ -222,15 +241,18 @@ def test_study_that_cannot_predict(study, tmp_path, change, sentence):
         Reduced.read(path)
 
 
-@pytest.mark.parametrize("given, sentence", [
-    ({}, "give either --bandage NAME or --tension"),
-    ({"bandage": "biflex_16", "tension": 0.1}, "give either --bandage NAME or --tension"),
-    ({"bandage": "biflx_16"}, "did you mean 'biflex_16'"),
-    ({"tension": 98.0}, "98 N/m are 0.098 N/mm"),
-    ({"tension": 0.1, "stretch": 1.0}, "stretch: 1 is not between 1.05 and 1.6"),
-    ({"tension": 0.1, "stretch": 30}, "30 % of extension are 1.3"),
-    ({"tension": 0.1, "mu_skin": 2.0}, "mu_skin: 2 is not between"),
-])
+@pytest.mark.parametrize(
+    "given, sentence",
+    [
+        ({}, "give either --bandage NAME or --tension"),
+        ({"bandage": "biflex_16", "tension": 0.1}, "give either --bandage NAME or --tension"),
+        ({"bandage": "biflx_16"}, "did you mean 'biflex_16'"),
+        ({"tension": 98.0}, "98 N/m are 0.098 N/mm"),
+        ({"tension": 0.1, "stretch": 1.0}, "stretch: 1 is not between 1.05 and 1.6"),
+        ({"tension": 0.1, "stretch": 30}, "30 % of extension are 1.3"),
+        ({"tension": 0.1, "mu_skin": 2.0}, "mu_skin: 2 is not between"),
+    ],
+)
 def test_what_nobody_can_wear(given, sentence):
     with pytest.raises(WearError, match=re.escape(sentence)):
         wear(**given)
@@ -243,11 +265,13 @@ def test_pressure_on_the_skin_of_a_scan(told):
     """
     found = surface.surface_of(told)
     height = np.linspace(0, 1, surface.LEVELS)
-    np.testing.assert_allclose(found.pressure[:, surface.RAYS // 2],
-                               told.on_modes * 1.5 * (1 - height / 2), rtol=1e-6)
+    np.testing.assert_allclose(
+        found.pressure[:, surface.RAYS // 2], told.on_modes * 1.5 * (1 - height / 2), rtol=1e-6
+    )
     assert found.ticks[0] == 0 and found.ticks[-1] >= found.pressure.max()
-    away = np.linalg.norm(found.rim - told.scan.scanned.surface(np.radians(found.at[0]),
-                                                                found.at[1]), axis=1)
+    away = np.linalg.norm(
+        found.rim - told.scan.scanned.surface(np.radians(found.at[0]), found.at[1]), axis=1
+    )
     np.testing.assert_allclose(away, 25.0, atol=0.1)
     left = surface.surface_of(replace(told, scan=replace(told.scan, side="left")))
     np.testing.assert_allclose(left.points, found.points * [-1, 1, 1])
@@ -267,8 +291,17 @@ def test_solved_leg_gives_answer_and_colours(told):
 def test_command_for_people_and_scripts(command, scan_file, study, told, tmp_path):
     """The same figures on the terminal, as JSON and on the page, which loads nothing."""
     page = tmp_path / "leg.html"
-    words = ("predict", scan_file, *WORDS, "--study", study, "--bandage", "biflex_16", "--stretch",
-             1.25)
+    words = (
+        "predict",
+        scan_file,
+        *WORDS,
+        "--study",
+        study,
+        "--bandage",
+        "biflex_16",
+        "--stretch",
+        1.25,
+    )
     status, out, err = command(*words)
     assert (status, err) == (0, "")
     assert re.search(rf"reduced model +{told.value:.1f} +{told.low:.1f} \.\. {told.high:.1f}", out)
@@ -288,12 +321,14 @@ def test_command_for_people_and_scripts(command, scan_file, study, told, tmp_pat
 
 def test_model_without_an_answer(command, scan_file, study, monkeypatch):
     """The rest is answered; the sentence tells why, and the status is 1."""
+
     def refuse(*_):
         raise SolverError("the steps became too small")
 
     monkeypatch.setattr("surrogate_solvers.leg_bandage.prediction.prediction.solve_on", refuse)
-    status, out, _ = command("predict", scan_file, *WORDS, "--study", study, "--tension", 0.1,
-                             "--solve", "--json")
+    status, out, _ = command(
+        "predict", scan_file, *WORDS, "--study", study, "--tension", 0.1, "--solve", "--json"
+    )
     found = json.loads(out)
     assert status == 1 and found["unsolved"] == "the steps became too small"
     assert any("no answer for this leg: the steps became" in note for note in found["notes"])
@@ -312,19 +347,22 @@ def test_finite_elements_on_the_scans_own_sections(scan, study):
     assert found.skin().pressure.shape == (72, 51)
 
 
-@pytest.mark.parametrize("words, sentence", [
-    (("SCAN", "--bandage", "biflx_16"), "did you mean 'biflex_16'"),
-    (("SCAN", "--bandage", "biflex_16", "--stretch", "1.0"), "stretch: 1 is not between 1.05"),
-    (("nowhere.stl", "--tension", "0.1"), "there is no such file"),
-    (("HALF", "--tension", "0.1"), "scan"),
-    (("SCAN", "--tension", "0.1", "--mesh", "coarse"), "add --solve"),
-    (("SCAN", "--tension", "0.1", "--study", "nowhere.yaml"), "there is no such stored study"),
-])
-def test_mistakes_end_in_a_sentence_and_status_2(command, scan_file, study, tmp_path, words,
-                                                 sentence):
+@pytest.mark.parametrize(
+    "words, sentence",
+    [
+        (("SCAN", "--bandage", "biflx_16"), "did you mean 'biflex_16'"),
+        (("SCAN", "--bandage", "biflex_16", "--stretch", "1.0"), "stretch: 1 is not between 1.05"),
+        (("nowhere.stl", "--tension", "0.1"), "there is no such file"),
+        (("HALF", "--tension", "0.1"), "scan"),
+        (("SCAN", "--tension", "0.1", "--mesh", "coarse"), "add --solve"),
+        (("SCAN", "--tension", "0.1", "--study", "nowhere.yaml"), "there is no such stored study"),
+    ],
+)
+def test_mistakes_end_in_a_sentence_and_status_2(
+    command, scan_file, study, tmp_path, words, sentence
+):
     vertices, triangles = virtual.leg_mesh(unseen_leg(), high=100.0)
-    places = {"SCAN": scan_file,
-              "HALF": virtual.save(tmp_path / "half.stl", vertices, triangles)}
+    places = {"SCAN": scan_file, "HALF": virtual.save(tmp_path / "half.stl", vertices, triangles)}
     if "--study" not in words:
         words = (*words, "--study", study)
     status, out, err = command("predict", *(places.get(word, word) for word in words))

@@ -34,9 +34,14 @@ def whole_fit(whole, tmp_path_factory):
     return fit_scan(virtual.save(tmp_path_factory.mktemp("scan") / "whole.stl", *whole))
 
 
-@pytest.mark.parametrize("length, alphas", [
-    (237.6, (-0.68, 0.0, 0.0, 0.0)), (190.0, (-0.85, 0.06, -0.05, 0.02)),
-    (285.0, (-0.56, -0.04, 0.08, -0.02))])
+@pytest.mark.parametrize(
+    "length, alphas",
+    [
+        (237.6, (-0.68, 0.0, 0.0, 0.0)),
+        (190.0, (-0.85, 0.06, -0.05, 0.02)),
+        (285.0, (-0.56, -0.04, 0.08, -0.02)),
+    ],
+)
 def test_legs_in_their_pose_are_recovered(tmp_path, length, alphas):
     """L within 0.15 mm (a level is told to 0.1 mm), alphas within 0.0005."""
     path = virtual.save(tmp_path / "leg.stl", *virtual.leg_mesh(Leg.from_alphas(length, alphas)))
@@ -46,8 +51,9 @@ def test_legs_in_their_pose_are_recovered(tmp_path, length, alphas):
     assert fit.error.percentile_95 < 0.05
 
 
-@pytest.mark.parametrize("alpha1, length, seed", [(-0.85, 200.0, 1), (-0.68, 240.0, 2),
-                                                  (-0.54, 280.0, 3)])
+@pytest.mark.parametrize(
+    "alpha1, length, seed", [(-0.85, 200.0, 1), (-0.68, 240.0, 2), (-0.54, 280.0, 3)]
+)
 def test_pose_is_told_by_the_shape(tmp_path, alpha1, length, seed):
     """Legs that are the first mode alone have their pose by definition: the misfit is 0 there.
 
@@ -56,8 +62,9 @@ def test_pose_is_told_by_the_shape(tmp_path, alpha1, length, seed):
     """
     leg = Leg.from_alphas(length, (alpha1, 0.0, 0.0, 0.0))
     vertices, triangles = virtual.leg_mesh(leg)
-    fit = fit_scan(virtual.save(tmp_path / "leg.ply", virtual.moved(vertices, seed, 10.0),
-                                triangles))
+    fit = fit_scan(
+        virtual.save(tmp_path / "leg.ply", virtual.moved(vertices, seed, 10.0), triangles)
+    )
     assert (fit.unit, fit.side) == ("cm", "right")
     assert fit.length == pytest.approx(length, abs=1.0)
     low = length - fit.length if extreme_girths(leg)[1] > 0 else 0.0
@@ -95,11 +102,17 @@ def test_whole_body_mesh_between_the_cuts_of_the_cohort(whole, tmp_path):
     np.testing.assert_allclose(fit.alphas, direct, atol=0.006)
 
 
-@pytest.mark.parametrize("name, unit, scale, mirror, seed", [
-    ("leg.obj", "m", 1000.0, False, 11), ("leg.ply", "inch", 25.4, True, 12),
-    ("leg.STL", "cm", 10.0, True, 13)])
-def test_any_motion_unit_format_and_side(whole, whole_fit, tmp_path, name, unit, scale, mirror,
-                                         seed):
+@pytest.mark.parametrize(
+    "name, unit, scale, mirror, seed",
+    [
+        ("leg.obj", "m", 1000.0, False, 11),
+        ("leg.ply", "inch", 25.4, True, 12),
+        ("leg.STL", "cm", 10.0, True, 13),
+    ],
+)
+def test_any_motion_unit_format_and_side(
+    whole, whole_fit, tmp_path, name, unit, scale, mirror, seed
+):
     """The same leg in another place, unit, format, or mirrored is the same leg: to 0.001."""
     vertices, triangles = whole
     path = virtual.save(tmp_path / name, virtual.moved(vertices, seed, scale, mirror), triangles)
@@ -136,8 +149,7 @@ def test_holes_are_filled_and_told(tmp_path, mean_leg):
     """Three holes, a tenth of the skin: alphas within 0.003, the rest of the leg within 0.3 mm."""
     vertices, triangles = virtual.leg_mesh(mean_leg)
     balls = [((0, 40, 120), 35), ((40, -20, 60), 25), ((-50, -40, 200), 30)]
-    path = virtual.save(tmp_path / "leg.stl", vertices,
-                        virtual.without(vertices, triangles, balls))
+    path = virtual.save(tmp_path / "leg.stl", vertices, virtual.without(vertices, triangles, balls))
     fit = fit_scan(path, **KNOWN)
     assert 0.08 < fit.sections.missing.mean() < 0.13
     assert any(note.startswith("holes make up 1") for note in fit.notes)
@@ -155,9 +167,11 @@ def test_known_up_keeps_the_tilt(whole, whole_fit, tmp_path):
 def test_largest_piece_is_taken_and_told(tmp_path, mean_leg):
     vertices, triangles = virtual.leg_mesh(mean_leg)
     crumb = triangles[(triangles < 4000).all(axis=1)]
-    path = virtual.save(tmp_path / "leg.stl",
-                        np.concatenate([vertices, 0.2 * vertices[:4000] + [300, 0, 0]]),
-                        np.concatenate([triangles, crumb + len(vertices)]))
+    path = virtual.save(
+        tmp_path / "leg.stl",
+        np.concatenate([vertices, 0.2 * vertices[:4000] + [300, 0, 0]]),
+        np.concatenate([triangles, crumb + len(vertices)]),
+    )
     fit = fit_scan(path, **KNOWN)
     assert any("2 pieces" in note for note in fit.notes)
     np.testing.assert_allclose(fit.alphas, BASIS.mean, atol=0.002)
@@ -170,8 +184,12 @@ def test_validation_legs_as_scans(tmp_path, leg):
     L within 0.15 mm, alphas within 0.0005, 95th percentile of the error within 0.03 mm.
     """
     cohort = load_cohort("val")
-    one = Cohort(cohort.coefficients[leg:leg + 1], cohort.centre[leg:leg + 1],
-                 cohort.length[leg:leg + 1], {})
+    one = Cohort(
+        cohort.coefficients[leg : leg + 1],
+        cohort.centre[leg : leg + 1],
+        cohort.length[leg : leg + 1],
+        {},
+    )
     mesh = virtual.leg_mesh(Leg.from_sections(one.length[0], one.coefficients[0], one.centre[0]))
     fit = fit_scan(virtual.save(tmp_path / "leg.stl", *mesh), **KNOWN)
     assert fit.length == pytest.approx(one.length[0], abs=0.15)
@@ -180,9 +198,15 @@ def test_validation_legs_as_scans(tmp_path, leg):
     assert fit.error.percentile_95 == pytest.approx(direct, abs=0.03)
 
 
-@pytest.mark.parametrize("kind, options, mark", [
-    ("stl", {"file_type": "stl_ascii"}, "solid"), ("obj", {}, "v "),
-    ("ply", {"encoding": "ascii"}, "element"), ("ply", {"encoding": "binary"}, "element")])
+@pytest.mark.parametrize(
+    "kind, options, mark",
+    [
+        ("stl", {"file_type": "stl_ascii"}, "solid"),
+        ("obj", {}, "v "),
+        ("ply", {"encoding": "ascii"}, "element"),
+        ("ply", {"encoding": "binary"}, "element"),
+    ],
+)
 def test_names_in_an_older_encoding(tmp_path, mean_leg, kind, options, mark):
     """A word of Latin-1 in the file, as scanners write names, changes nothing."""
     path, words = tmp_path / f"leg.{kind}", {"stl": "solid ", "obj": "# ", "ply": "comment "}[kind]

@@ -80,8 +80,9 @@ def test_condensed_step_equals_the_mixed_step():
     K = np.block([[K_uu[np.ix_(free, free)], g[free]], [g[free].T, -np.diag(V / tissue.kappa)]])
     step = np.linalg.solve(K, -np.concatenate([R_u[free], R_p]))
     du = np.zeros(tissue.n_dofs)
-    du[free] = np.linalg.solve(matrix(tissue, values).toarray()[np.ix_(free, free)],
-                               -residual[free])
+    du[free] = np.linalg.solve(
+        matrix(tissue, values).toarray()[np.ix_(free, free)], -residual[free]
+    )
     np.testing.assert_allclose(du[free], step[: len(free)], atol=1e-8 * np.abs(step).max())
     tissue.advance(du)
     np.testing.assert_allclose(tissue.pressure, p + step[len(free) :], atol=1e-8)
@@ -111,8 +112,9 @@ def test_rigid_motion_costs_nothing():
     leg = uneven_leg()
     tissue = Tissue(leg.mesh, 5e-3, 14.3)
     c, s = np.cos(1.2), np.sin(1.2)
-    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array([[1, 0, 0], [0, c, s],
-                                                                    [0, -s, c]])
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ np.array(
+        [[1, 0, 0], [0, c, s], [0, -s, c]]
+    )
     u = (leg.mesh.p.T @ turn.T + [5, -3, 2] - leg.mesh.p.T).ravel()
     assert np.abs(tissue.linearise(u)[0]).max() < 1e-11
 
@@ -124,8 +126,9 @@ def test_follower_pressure_tangent():
     rng = np.random.default_rng(4)
     u, v = rng.normal(0, 0.3, load.n_dofs), rng.normal(size=load.n_dofs)
     found = difference(load, u, v)
-    np.testing.assert_allclose(matrix(load, load.linearise(u)[1]()) @ v, found,
-                               atol=1e-8 * np.abs(found).max())
+    np.testing.assert_allclose(
+        matrix(load, load.linearise(u)[1]()) @ v, found, atol=1e-8 * np.abs(found).max()
+    )
 
 
 def test_follower_pressure_resultant():

@@ -101,12 +101,15 @@ def test_hoop_band_in_contact_with_a_soft_tube(K1, radius, stretch, mmhg):
     assert found.scatter < 0.02
 
 
-@pytest.mark.parametrize("cells, elements, twist, settled", [
-    ((8, 8, 3), (11, 9), 0.0, 0.03),
-    ((8, 8, 3), (11, 9), 0.5, 0.03),
-    ((6, 7, 3), (9, 10), 0.5, 0.03),
-    ((16, 16, 4), (21, 19), 0.5, 0.01),
-])
+@pytest.mark.parametrize(
+    "cells, elements, twist, settled",
+    [
+        ((8, 8, 3), (11, 9), 0.0, 0.03),
+        ((8, 8, 3), (11, 9), 0.5, 0.03),
+        ((6, 7, 3), (9, 10), 0.5, 0.03),
+        ((16, 16, 4), (21, 19), 0.5, 0.01),
+    ],
+)
 def test_flat_patch(cells, elements, twist, settled):
     """V8, flat: a uniform load on the strip reaches a soft block as a uniform pressure.
 
@@ -172,7 +175,9 @@ def test_a_sweep_keeps_its_rows_and_tells_what_failed(tmp_path):
     cases = [Case("too short", {"leg_length": 20.0}), Case("none", {"tensoin": 0.1})]
     first = list(solve_all(cases, "coarse", table=table))
     assert {row["case"]: row["message"][:10] for row in first} == {
-        "too short": "leg_length", "none": "tensoin: n"}
+        "too short": "leg_length",
+        "none": "tensoin: n",
+    }
     kept = table.read_text()
     again = list(solve_all(cases, "coarse", table=table))
     assert [row["message"] for row in again] == [row["message"] for row in first]

@@ -64,7 +64,7 @@ def test_a_turn_lies_one_thickness_above_the_turn_beneath():
     """Where it is wholly covered, a point is lifted by 3/2 thicknesses, its support by 1/2."""
     laid = lay(CYLINDER, SPIRAL, 176, 20)
     whole = laid.cover > 1 - 1e-9
-    whole[: 100] = False
+    whole[:100] = False
     above = laid.strip.at(laid.points[whole], laid.X)[:, 0]
     beneath = laid.strip.at(laid.beneath[whole], laid.X)[:, 0]
     radius = [np.linalg.norm(p[:, :2], axis=1) for p in (above, beneath)]

@@ -10,8 +10,15 @@ import numpy as np
 from surrogate.solver import Input, Output
 
 ANGLES, HEIGHTS = np.arange(0.0, 360.0, 30.0), np.linspace(0.0, 1.0, 6)
-SLOPES = {"mu_skin": 20.0, "tension": 300.0, "leg_length": 0.05, "alpha1": 10.0, "alpha2": 5.0,
-          "alpha3": -4.0, "alpha4": 3.0}
+SLOPES = {
+    "mu_skin": 20.0,
+    "tension": 300.0,
+    "leg_length": 0.05,
+    "alpha1": 10.0,
+    "alpha2": 5.0,
+    "alpha3": -4.0,
+    "alpha4": 3.0,
+}
 REST = 10.0 - 20.0 * 0.2 - 0.05 * 237.0
 
 
@@ -20,12 +27,14 @@ class CheapLeg:
 
     version = "1"
     inputs = {name: Input() for name in SLOPES}
-    outputs = {"pressure_b1": Output(unit="mmHg"),
-               "pressure_field": Output(unit="mmHg", dims=("theta", "height"),
-                                        coordinates={"theta": ANGLES, "height": HEIGHTS})}
+    outputs = {
+        "pressure_b1": Output(unit="mmHg"),
+        "pressure_field": Output(
+            unit="mmHg", dims=("theta", "height"), coordinates={"theta": ANGLES, "height": HEIGHTS}
+        ),
+    }
 
     def __call__(self, **inputs):
         value = REST + sum(SLOPES[name] * x for name, x in inputs.items())
         around = 1 + np.cos(np.radians(ANGLES - 180.0)) / 2
-        return {"pressure_b1": value,
-                "pressure_field": value * np.outer(around, 1 - HEIGHTS / 2)}
+        return {"pressure_b1": value, "pressure_field": value * np.outer(around, 1 - HEIGHTS / 2)}
