@@ -115,8 +115,8 @@ class Command:
             if status is None:
                 raise SolverError(
                     _with_last_words(
-                        f"{words[0]} was stopped after {self.timeout:g} s; raise timeout and run with "
-                        "--retry-failed",
+                        f"{words[0]} was stopped after {self.timeout:g} s; raise timeout and run "
+                        "with --retry-failed",
                         place,
                     )
                 )

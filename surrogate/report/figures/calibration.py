@@ -28,7 +28,8 @@ def calibration_plot(level, observed, runs: int, what: str) -> Markup:
             panel.y(y),
             4.0,
             data_tip=(
-                f"{digits.percent(float(x))} intervals\nhold {digits.percent(float(y))} of the values"
+                f"{digits.percent(float(x))} intervals\n"
+                f"hold {digits.percent(float(y))} of the values"
             ),
         )
         for x, y in zip(level, observed, strict=True)

@@ -98,8 +98,8 @@ def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> 
                             unit,
                             name,
                         ),
-                        f"Coefficients of {name} in coded units (half the change of {output} from the "
-                        f"smallest to the largest value), {reading}.{more}",
+                        f"Coefficients of {name} in coded units (half the change of {output} from "
+                        f"the smallest to the largest value), {reading}.{more}",
                     ),
                 )
             )

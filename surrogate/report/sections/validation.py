@@ -148,8 +148,8 @@ def verdicts(content: Content) -> list[tuple[str, str, str]]:
                 output,
                 f"{best}, bias {bias}",
                 (
-                    f"95 % of its differences from {content.validation.attrs['cases']} are expected "
-                    f"within {digits.with_unit(limits, unit)} ({row['n']:.0f} cases)."
+                    f"95 % of its differences from {content.validation.attrs['cases']} are "
+                    f"expected within {digits.with_unit(limits, unit)} ({row['n']:.0f} cases)."
                 ),
             )
         )
@@ -294,7 +294,7 @@ def _plots(data: xr.Dataset, name: str, output: str, unit: str) -> list:
         ),
         (
             difference_plot(reference, model, labels, figures, name, output, unit),
-            f"{name} minus the reference, over the mean of both (Bland and Altman 1986). Solid: bias; "
-            "dashed: limits of agreement; bands: their 95 % intervals.",
+            f"{name} minus the reference, over the mean of both (Bland and Altman 1986). Solid: "
+            "bias; dashed: limits of agreement; bands: their 95 % intervals.",
         ),
     ]

@@ -118,7 +118,9 @@ def test_a_point_rounded_by_another_machine_is_the_same_point(place):
 CHANGED = {
     "solver options": (
         {
-            '"misbehaving:Misbehaving", options: {': '"misbehaving:Misbehaving", options: {pause: 0.5, '
+            '"misbehaving:Misbehaving", options: {': (
+                '"misbehaving:Misbehaving", options: {pause: 0.5, '
+            )
         },
         "other option pause: none -> 0.5",
     ),
