@@ -23,7 +23,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from surrogate.execution import execute
-from surrogate.runs.identity import Recipe
+from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Input, Output
 
 
@@ -50,10 +50,10 @@ def call(row) -> float:
 
 
 def with_execute(points, milliseconds, workers) -> None:
-    recipe = Recipe("busy", Busy, {"milliseconds": milliseconds})
+    spec = SolverSpec("busy", Busy, {"milliseconds": milliseconds})
     with tempfile.TemporaryDirectory(dir=".") as folder:
         tally = execute(
-            recipe,
+            spec,
             {"x": points[:, 0], "y": points[:, 1]},
             journal=folder,
             workers=workers,

@@ -46,7 +46,7 @@ def compare(path, seed):
     runs = runs.isel(run=(runs["status"] == "ok").values)
     i = int(np.random.default_rng(seed).integers(runs.sizes["run"]))
     inputs, outputs = call_and_answer(runs, i)
-    again = study.recipe.solver(**inputs)
+    again = study.spec.solver(**inputs)
     assert again["pressure_b1"] == pytest.approx(outputs["pressure_b1"], abs=AGREES)
 
 

@@ -302,7 +302,7 @@ def test_new_check_run_predict(tmp_path):
     )
     (row,) = json.loads(answer.stdout)
     flow = row["outputs"]["flow"]
-    exact = Study.from_yaml(tmp_path / "first.yaml").recipe.solver(
+    exact = Study.from_yaml(tmp_path / "first.yaml").spec.solver(
         rw=0.1, r=25050.0, Tu=89335.0, Hu=1050.0, Tl=89.55, Hl=760.0, L=1400.0, Kw=10000.0
     )["flow"]
     assert row["inside"] and flow["low"] <= flow["value"] <= flow["high"]

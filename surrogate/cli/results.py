@@ -208,7 +208,7 @@ def _write(study: Study, folder: Path, runs: xr.Dataset, stamp: str) -> Outcome:
             name: {output: figures_of(one) for output, one in by.items()}
             for name, by in regressions.items()
         },
-        "screening": plain(screening.summary()) if screening else None,
+        "screening": json_data(screening.summary()) if screening else None,
         "validation": figures_of(validation),
         "not_done": not_done,
     }
@@ -236,7 +236,7 @@ def _stamp(study: Study, runs: xr.Dataset, cases: Cases | None) -> str:
     models = study.validation.models if study.validation else {}
     digest.update(
         json.dumps(
-            [rundata.versions(), {name: recipe.context for name, recipe in models.items()}],
+            [rundata.versions(), {name: spec.context for name, spec in models.items()}],
             sort_keys=True,
         ).encode()
     )
@@ -304,22 +304,25 @@ def figures_of(dataset: xr.Dataset | None) -> dict[str, Any] | None:
     if dataset is None:
         return None
     return {
-        "attributes": {str(k): plain(v) for k, v in dataset.attrs.items()},
+        "attributes": {str(k): json_data(v) for k, v in dataset.attrs.items()},
         **{
-            str(name): {"dimensions": list(map(str, values.dims)), "values": plain(values.values)}
+            str(name): {
+                "dimensions": list(map(str, values.dims)),
+                "values": json_data(values.values),
+            }
             for name, values in {**dataset.coords, **dataset.data_vars}.items()
         },
     }
 
 
-def plain(value: Any) -> Any:
+def json_data(value: Any) -> Any:
     """JSON data of numbers, arrays, lists and mappings; what is not finite becomes null."""
     if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
+        return json_data(value.tolist())
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [json_data(item) for item in value]
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): json_data(item) for key, item in value.items()}
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -68,7 +68,7 @@ def check(study: Study, results: Path) -> Page:
     ]
     if study.constants:
         rows = [
-            (name, study.recipe.solver.inputs[name].unit, value)
+            (name, study.spec.solver.inputs[name].unit, value)
             for name, value in study.constants.items()
         ]
         parts += [table("constants", ("name", "unit", "value"), rows), ""]
@@ -78,7 +78,7 @@ def check(study: Study, results: Path) -> Page:
     parts += [_surrogate_line(study), _runs_line(study, stored, counts), *study.unused]
     data = {
         "study": study.name,
-        "solver": study.recipe.name,
+        "solver": study.spec.name,
         "parameters": [
             dict(zip(("name", "unit", "values"), row, strict=True)) for row in parameters
         ],
@@ -332,7 +332,7 @@ def predict(
     rows = []
     for row in found.rows:
         for output, answer in row["outputs"].items():
-            unit = study.recipe.solver.outputs[output].unit
+            unit = study.spec.solver.outputs[output].unit
             value = answer["value"]
             shown = (
                 f"{value:.5g} {unit}".strip()

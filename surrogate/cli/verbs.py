@@ -195,7 +195,7 @@ def _finish(study: Study, outcome: results.Outcome, as_json: bool) -> None:
 
 def _show(page: terminal.Page, as_json: bool) -> None:
     if as_json:
-        print(json.dumps(results.plain(page.data), indent=1, default=str, allow_nan=False))
+        print(json.dumps(results.json_data(page.data), indent=1, default=str, allow_nan=False))
     else:
         page.show(Console())
 

@@ -20,11 +20,11 @@ from pathlib import Path
 from typing import Any
 
 from surrogate.errors import StudyError
-from surrogate.execution.executors import Elsewhere
+from surrogate.execution.executors import ExecutorRuns
 from surrogate.execution.pool import Event, Pool, Task
-from surrogate.runs.identity import Recipe, calls, keys
+from surrogate.runs.identity import SolverSpec, keys, run_inputs
 from surrogate.runs.journal import Journal, Record, read
-from surrogate.runs.stored import Given, Known
+from surrogate.runs.stored import KnownRuns, StoredMatches
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Progress:
 
 
 def execute(
-    recipe: Recipe,
+    spec: SolverSpec,
     columns: Mapping[str, Any],
     *,
     journal: str | Path,
@@ -60,7 +60,7 @@ def execute(
     retries: int = 0,
     rerun: Iterable[str] = (),
     others: Iterable[str | Path] = (),
-    given: Given | None = None,
+    given: StoredMatches | None = None,
     executor: Executor | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Progress:
@@ -88,28 +88,28 @@ def execute(
     arguments; `PluginError` when workers cannot build the solver.
     """
     _check(workers, threads, timeout, retries, rerun)
-    wanted, given = recipe.wanted(outputs), given or Given()
-    asked = calls(recipe, columns, constants)
-    runs = dict(zip(keys(recipe, asked), asked, strict=True))
+    wanted, given = spec.wanted(outputs), given or StoredMatches()
+    asked = run_inputs(spec, columns, constants)
+    runs = dict(zip(keys(spec, asked), asked, strict=True))
     with Journal(journal) as book:
-        known = Known(book.contents, given, wanted).records
+        known = KnownRuns(book.contents, given, wanted).records
         missing = [key for key in runs if not _settled(known.get(key), wanted, timeout, rerun)]
         missing = _adopt(book, missing, wanted, others)
         queue = deque(Task(key, runs[key]) for key in missing)
         workers = min(workers or cores(), max(1, len(queue)))
         threads = threads or max(1, cores() // workers)
         tally = _Tally(Progress(len(runs)), workers, progress or (lambda _: None))
-        known = Known(book.contents, given, wanted).records
+        known = KnownRuns(book.contents, given, wanted).records
         tally.start([known[key] for key in runs.keys() - set(missing)])
         if queue:
             with _stop_on_signals() as stopping:
                 place = (
-                    Pool(recipe, wanted, workers, threads, timeout)
+                    Pool(spec, wanted, workers, threads, timeout)
                     if executor is None
-                    else Elsewhere(executor, recipe, wanted, workers, timeout)
+                    else ExecutorRuns(executor, spec, wanted, workers, timeout)
                 )
                 with closing(place.results(queue, stopping)) as source:
-                    _record(source, queue, book, tally, recipe, timeout, retries)
+                    _record(source, queue, book, tally, spec, timeout, retries)
                 if stopping():
                     raise KeyboardInterrupt(
                         f"stopped: {tally.now.done} of {tally.now.total} runs "
@@ -182,15 +182,15 @@ def _record(
     queue: deque[Task],
     book: Journal,
     tally: _Tally,
-    recipe: Recipe,
+    spec: SolverSpec,
     timeout: float | None,
     retries: int,
 ) -> None:
     """Write what comes from `source` into the journal; put failed runs back while they may."""
     described = {
-        "solver": recipe.name,
-        "version": str(recipe.solver.version),
-        "options": recipe.plain_options,
+        "solver": spec.name,
+        "version": str(spec.solver.version),
+        "options": spec.plain_options,
     }
     for event in source:
         if event is None:
@@ -198,7 +198,7 @@ def _record(
             continue
         task, outcome = event
         task.attempts += 1
-        decided = outcome.answered and (recipe.deterministic or outcome.status == "ok")
+        decided = outcome.answered and (spec.deterministic or outcome.status == "ok")
         if outcome.status != "ok" and not decided and task.attempts <= retries:
             queue.append(task)
             continue
@@ -214,7 +214,7 @@ def _record(
             outcome.outputs,
             solver=described,
         )
-        if recipe.deterministic:
+        if spec.deterministic:
             record = _with_earlier(record, book.records.get(task.key))
         book.append(record, outcome.fields)
         tally.add(record)

@@ -16,17 +16,17 @@ from queue import Empty, SimpleQueue
 
 from surrogate.errors import SurrogateError
 from surrogate.execution.pool import TICK, Event, Task
-from surrogate.execution.workers import Built, Outcome
-from surrogate.runs.identity import Recipe
+from surrogate.execution.workers import BuiltSolver, Outcome
+from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Output
 
 
 @dataclass
-class Elsewhere:
+class ExecutorRuns:
     """At most `places` runs at a time in `executor`; timeout: seconds that a run may take."""
 
     executor: Executor
-    recipe: Recipe
+    spec: SolverSpec
     wanted: Mapping[str, Output]
     places: int
     timeout: float | None = None
@@ -67,10 +67,10 @@ class Elsewhere:
         while queue and len(self.going) + self._stuck < self.places:
             task = queue.popleft()
             future = self.executor.submit(
-                Built.evaluate,
+                BuiltSolver.evaluate,
                 token,
-                self.recipe.build,
-                dict(self.recipe.options),
+                self.spec.build,
+                dict(self.spec.options),
                 task.call,
                 self.wanted,
             )

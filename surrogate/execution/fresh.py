@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from surrogate.execution.execute import Progress, execute
-from surrogate.runs.identity import Recipe
+from surrogate.runs.identity import SolverSpec
 from surrogate.runs.journal import Journal, read
 
 
 def execute_fresh(
-    recipe: Recipe, columns: Mapping[str, Any], *, journal: str | Path, **options: Any
+    spec: SolverSpec, columns: Mapping[str, Any], *, journal: str | Path, **options: Any
 ) -> Progress:
     """As `execute`, at every row; new records follow the old ones when all are done.
 
@@ -24,7 +24,7 @@ def execute_fresh(
     aside = _aside(journal)
     with Journal(journal) as book:
         try:
-            tally = execute(recipe, columns, journal=aside, **options)
+            tally = execute(spec, columns, journal=aside, **options)
         except KeyboardInterrupt as stop:
             raise KeyboardInterrupt(*(f"{why}, with --fresh" for why in stop.args)) from None
         done = read(aside)

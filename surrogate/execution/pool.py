@@ -22,7 +22,7 @@ from pathlib import Path
 from surrogate.errors import PluginError
 from surrogate.execution.spawning import parcel, start
 from surrogate.execution.workers import BATCH_SECONDS, Outcome, work
-from surrogate.runs.identity import Call, Recipe
+from surrogate.runs.identity import RunInputs, SolverSpec
 from surrogate.solver import Output
 
 #: Longest pause between two looks at the clock, in seconds.
@@ -40,7 +40,7 @@ class Task:
     """A run to do: its key, the solver's arguments, and the attempts made so far."""
 
     key: str
-    call: Call
+    call: RunInputs
     attempts: int = 0
 
 
@@ -82,14 +82,14 @@ class Pool:
     threads  for numerical libraries in each worker; timeout: seconds a run may take, or None
     """
 
-    recipe: Recipe
+    spec: SolverSpec
     wanted: Mapping[str, Output]
     workers: int
     threads: int
     timeout: float | None = None
 
     def __post_init__(self):
-        self._parcel = parcel(self.recipe)
+        self._parcel = parcel(self.spec)
         self._team: list[_Worker] = []
         self._false_starts = 0
         self._mean_seconds: float | None = None
@@ -167,7 +167,7 @@ class Pool:
             return False, None
         if isinstance(message, str):
             raise PluginError(
-                f"solver {self.recipe.name} cannot be built in a worker process: {message}"
+                f"solver {self.spec.name} cannot be built in a worker process: {message}"
             )
         if message is None:
             if not worker.ready:
@@ -214,7 +214,7 @@ class Pool:
         working = sum(worker.ready for worker in self._team)
         if not working:
             raise PluginError(
-                f"solver {self.recipe.name} cannot be built in a worker process: {reason}"
+                f"solver {self.spec.name} cannot be built in a worker process: {reason}"
             )
         self.workers, self._false_starts = working, 0
 

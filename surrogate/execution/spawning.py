@@ -21,7 +21,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from surrogate.errors import StudyError
-from surrogate.runs.identity import Recipe
+from surrogate.runs.identity import SolverSpec
 
 try:
     from multiprocessing import resource_tracker
@@ -30,32 +30,32 @@ except ImportError:  # Windows
 
 
 @dataclass(frozen=True)
-class Parcel:
+class PickledSolver:
     """A solver's (build, options), pickled, and whether unpickling runs the main script again."""
 
     content: bytes
     needs_main: bool
 
 
-def parcel(recipe: Recipe) -> Parcel:
+def parcel(spec: SolverSpec) -> PickledSolver:
     """What a worker needs to build the solver; `StudyError` when it could not import it."""
     cure = (
         "workers cannot import it; put it into a module file, or pass an executor "
         "of threads: executor=ThreadPoolExecutor()"
     )
-    needs_main = getattr(recipe.build, "__module__", None) == "__main__"
+    needs_main = getattr(spec.build, "__module__", None) == "__main__"
     if needs_main and not hasattr(sys.modules["__main__"], "__file__"):
-        raise StudyError(f"solver {recipe.name} is defined in an interactive session, and {cure}")
+        raise StudyError(f"solver {spec.name} is defined in an interactive session, and {cure}")
     try:
-        return Parcel(pickle.dumps((recipe.build, dict(recipe.options))), needs_main)
+        return PickledSolver(pickle.dumps((spec.build, dict(spec.options))), needs_main)
     except (pickle.PicklingError, AttributeError, TypeError) as error:
         raise StudyError(
-            f"solver {recipe.name} cannot be sent to workers ({error}): {cure}"
+            f"solver {spec.name} cannot be sent to workers ({error}): {cure}"
         ) from error
 
 
 def start(
-    life: Callable[..., None], sent: Parcel, *arguments: Any
+    life: Callable[..., None], sent: PickledSolver, *arguments: Any
 ) -> tuple[BaseProcess, Connection]:
     """A new process that runs life(connection, sent.content, *arguments); our end of its pipe."""
     context = multiprocessing.get_context("spawn")

@@ -56,7 +56,7 @@ class Outcome(NamedTuple):
 
 
 def evaluate(solver: Solver, call: Mapping[str, Any], wanted: Mapping[str, Output]) -> Outcome:
-    """Call the solver once; whatever it does becomes an `Outcome`."""
+    """RunInputs the solver once; whatever it does becomes an `Outcome`."""
     start = time.perf_counter()
     try:
         result = solver(**call)
@@ -132,11 +132,11 @@ def describe(error: BaseException) -> str:
 
 
 def work(
-    connection: Connection, recipe: bytes, wanted: Mapping[str, Output], threads: int, printed: str
+    connection: Connection, spec: bytes, wanted: Mapping[str, Output], threads: int, printed: str
 ) -> None:
     """Life of a worker process.
 
-    recipe is the pickled (build, options) of the solver. Sends a text when the solver cannot
+    spec is the pickled (build, options) of the solver. Sends a text when the solver cannot
     be built, else None whenever it is idle; receives batches [(number, call), ...], answers
     each call by (number, outcome) as soon as it is known. None ends it.
     """
@@ -144,7 +144,7 @@ def work(
     _end_with_parent()
     threads = limit_threads(threads)
     try:
-        build, options = pickle.loads(recipe)
+        build, options = pickle.loads(spec)
         solver = build(**options)
     except BaseException as error:
         connection.send(describe(error))
@@ -213,7 +213,7 @@ def limit_threads(threads: int) -> int:
     return threads
 
 
-class Built:
+class BuiltSolver:
     """The solver of one study inside somebody's executor: built once per thread."""
 
     _last = threading.local()

@@ -26,7 +26,7 @@ from sklearn.preprocessing import FunctionTransformer
 
 from surrogate.errors import FitError
 from surrogate.regressors import portable
-from surrogate.regressors.columns import columns, expand
+from surrogate.regressors.columns import columns_of, expand
 from surrogate.regressors.field import Field
 from surrogate.space.space import Space
 
@@ -205,7 +205,7 @@ def prepare(estimator, space: Space, *, seed: int = 0, field: bool = False):
     if "space" in ready.get_params(deep=False):
         ready.set_params(space=space)
     elif any(parameter.categorical for parameter in space.parameters):
-        of = columns(space, space.size)
+        of = columns_of(space, space.size)
         ready = make_pipeline(FunctionTransformer(expand, kw_args={"of": of}), ready)
     return Field(ready) if field else ready
 

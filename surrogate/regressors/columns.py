@@ -35,7 +35,7 @@ class Column:
         return (index == self.level) * 1.0 - (index == 0)
 
 
-def columns(space: Space | None, size: int) -> tuple[Column, ...]:
+def columns_of(space: Space | None, size: int) -> tuple[Column, ...]:
     """Columns of a space; without one, of `size` numeric parameters called x1, x2, ..."""
     if space is None:
         return tuple(Column(j, f"x{j + 1}") for j in range(size))

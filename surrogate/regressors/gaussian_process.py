@@ -16,7 +16,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.errors import nearest
 from surrogate.regressors import anova, paths, portable
-from surrogate.regressors.columns import columns, expand
+from surrogate.regressors.columns import columns_of, expand
 from surrogate.regressors.matern import Posterior, condition, correlation, weighted_sum
 from surrogate.regressors.polynomial import design_matrix, linear_terms
 
@@ -80,7 +80,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         """Runs in numeric columns and standardised values."""
         X, y = validate_data(self, X, y, y_numeric=True, ensure_min_samples=2)
         self._check(X)
-        self.columns_ = columns(self.space, X.shape[1])
+        self.columns_ = columns_of(self.space, X.shape[1])
         self.points_ = expand(X, self.columns_)
         self.offset_, self.scale_ = float(y.mean()), float(y.std())
         if self.scale_ <= 1e-14 * np.abs(y).max():
@@ -114,7 +114,9 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
 
     def minimum_runs(self, space) -> int:
         """Runs that a fit needs: two more than the trend has coefficients."""
-        return 2 + (len(linear_terms(columns(space, space.size))) if self.trend == "linear" else 1)
+        return 2 + (
+            len(linear_terms(columns_of(space, space.size))) if self.trend == "linear" else 1
+        )
 
     def _bounds(self) -> np.ndarray:
         """Bounds of log lengths and log nugget, (c + 1, 2)."""
@@ -291,7 +293,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         return {
             "kind": "gaussian_process",
-            "columns": portable.columns(self.columns_),
+            "columns": portable.described_columns(self.columns_),
             "offset": self.offset_,
             "scale": self.scale_,
             "lengths": self.lengths_.tolist(),

@@ -15,7 +15,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.regressors import anova, portable, regression
-from surrogate.regressors.columns import Column, columns, expand
+from surrogate.regressors.columns import Column, columns_of, expand
 
 #: A term is a product of powers of columns: ((column number, power), ...); () is the constant.
 Term = tuple[tuple[int, int], ...]
@@ -72,7 +72,7 @@ class TermRegressor(RegressorMixin, BaseEstimator):
     def fit(self, X, y):
         """Fit to coded points X (n, d) and values y (n,)."""
         X, y = validate_data(self, X, y, y_numeric=True)
-        self.columns_ = columns(self.space, X.shape[1])
+        self.columns_ = columns_of(self.space, X.shape[1])
         self.points_ = X
         values = expand(X, self.columns_)
         self.terms_ = self.select(values, y)
@@ -126,7 +126,7 @@ class TermRegressor(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         return {
             "kind": "polynomial",
-            "columns": portable.columns(self.columns_),
+            "columns": portable.described_columns(self.columns_),
             "terms": [
                 {"coefficient": float(c), "powers": [list(part) for part in term]}
                 for c, term in zip(self.coef_, self.terms_, strict=True)
@@ -149,7 +149,7 @@ class Polynomial(TermRegressor):
 
     def minimum_runs(self, space) -> int:
         """Runs that a fit needs: one for each term."""
-        return len(self.choose_terms(columns(space, space.size)))
+        return len(self.choose_terms(columns_of(space, space.size)))
 
     def predict(self, X, return_std=False):
         """Values (m,) at coded X (m, d); with the standard deviation of a new observation."""

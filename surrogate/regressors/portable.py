@@ -48,7 +48,7 @@ def describe(space: Space, model: dict, *, surrogate: str, output: str) -> dict:
     }
 
 
-def columns(of: tuple[Column, ...]) -> list[dict]:
+def described_columns(of: tuple[Column, ...]) -> list[dict]:
     """Columns as the module's first lines describe them."""
     return [
         {"input": column.parameter, "level": column.level, "levels": column.levels}

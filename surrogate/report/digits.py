@@ -26,7 +26,7 @@ def figure(value, digits: int = 3) -> str:
     return fixed(value, max(0, digits - 1 - exponent))
 
 
-def plain(value, digits: int = 6) -> str:
+def number(value, digits: int = 6) -> str:
     """A number as somebody wrote it: up to `digits` significant digits, no trailing zeros."""
     text = figure(value, digits)
     if "." in text and "×" not in text:

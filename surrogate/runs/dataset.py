@@ -22,8 +22,8 @@ import xarray as xr
 
 from surrogate.errors import ResultsError, StudyError, nearest
 from surrogate.runs.files import write_bytes
-from surrogate.runs.identity import Call, Recipe, calls, canonical, keys
-from surrogate.runs.journal import Contents, Record
+from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
+from surrogate.runs.journal import JournalContents, Record
 from surrogate.solver import Output
 from surrogate.space.space import Space
 
@@ -91,7 +91,7 @@ def _coordinate_mistakes(outputs: Mapping[str, Output]) -> list[str]:
     return mistakes
 
 
-def columns(space: Space, designs: Designs) -> dict[str, np.ndarray]:
+def physical_columns(space: Space, designs: Designs) -> dict[str, np.ndarray]:
     """Physical values, name -> (run,), of all designs' coded points one after the other."""
     return space.decode(np.concatenate([np.atleast_2d(coded) for coded in designs.values()]))
 
@@ -99,8 +99,8 @@ def columns(space: Space, designs: Designs) -> dict[str, np.ndarray]:
 def assemble(
     space: Space,
     designs: Designs,
-    recipe: Recipe,
-    journal: Contents,
+    spec: SolverSpec,
+    journal: JournalContents,
     *,
     constants: Mapping[str, Any] | None = None,
     outputs: Iterable[str] | None = None,
@@ -116,14 +116,14 @@ def assemble(
 
     Raises `StudyError` when a name would stand for two things.
     """
-    wanted = recipe.wanted(outputs)
+    wanted = spec.wanted(outputs)
     mistakes = name_mistakes(space, wanted)
     if mistakes:
         raise StudyError(*mistakes)
-    physical = columns(space, designs)
-    asked = calls(recipe, physical, constants)
+    physical = physical_columns(space, designs)
+    asked = run_inputs(spec, physical, constants)
     fixed = {name: value for name, value in asked[0].items() if name not in physical}
-    records = [journal.records.get(key) for key in keys(recipe, asked)]
+    records = [journal.records.get(key) for key in keys(spec, asked)]
     records = [record if record and record.answers(wanted) else None for record in records]
     return xr.Dataset(
         {
@@ -137,7 +137,7 @@ def assemble(
             **_history(designs, records),
         },
         coords={"parameter": list(space.names), **_coordinates(wanted)},
-        attrs=_provenance(recipe, constants, fixed, study, seeds),
+        attrs=_provenance(spec, constants, fixed, study, seeds),
     )
 
 
@@ -152,7 +152,7 @@ def _parameters(space: Space, physical: Mapping[str, np.ndarray]) -> dict[str, t
 
 
 def _outputs(
-    wanted: Mapping[str, Output], records: list[Record | None], journal: Contents
+    wanted: Mapping[str, Output], records: list[Record | None], journal: JournalContents
 ) -> dict[str, tuple]:
     result = {}
     for name, output in wanted.items():
@@ -222,26 +222,26 @@ def _storable(text: str) -> str:
     return text.encode(errors="replace").decode().replace("\0", "?")
 
 
-def _provenance(recipe: Recipe, constants, fixed, study: str, seeds) -> dict[str, str]:
+def _provenance(spec: SolverSpec, constants, fixed, study: str, seeds) -> dict[str, str]:
     """Who made it, when, with which versions; mappings as JSON text."""
     return {
         "study": study,
-        "solver": recipe.name,
-        "solver_version": str(recipe.solver.version),
-        "solver_options": canonical(recipe.options),
+        "solver": spec.name,
+        "solver_version": str(spec.solver.version),
+        "solver_options": canonical(spec.options),
         "constants": canonical(constants or {}),
-        "identity": recipe.context,
+        "identity": spec.context,
         "fixed_inputs": canonical(fixed),
         "fixed_units": canonical(
             {
-                name: recipe.solver.inputs[name].unit
+                name: spec.solver.inputs[name].unit
                 for name in fixed
-                if not recipe.solver.inputs[name].levels
+                if not spec.solver.inputs[name].levels
             }
         ),
         "seeds": canonical(seeds or {}),
         "versions": canonical(versions()),
-        "deterministic": str(recipe.deterministic).lower(),
+        "deterministic": str(spec.deterministic).lower(),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 
@@ -330,10 +330,10 @@ def output_names(runs: xr.Dataset) -> list[str]:
     ]
 
 
-def call_and_answer(runs: xr.Dataset, run: int) -> tuple[Call, dict[str, np.ndarray]]:
+def call_and_answer(runs: xr.Dataset, run: int) -> tuple[RunInputs, dict[str, np.ndarray]]:
     """What the solver was called with in row `run`, and what it answered, in its own units.
 
-    `study.recipe.solver(**call)` must give the answer again, to rounding.
+    `study.spec.solver(**call)` must give the answer again, to rounding.
     """
     row = runs.isel(run=run)
     call = {

@@ -23,11 +23,11 @@ import numpy as np
 from surrogate.errors import StudyError, nearest
 from surrogate.solver import Input, Output, Solver
 
-Call = dict[str, float | str]
+RunInputs = dict[str, float | str]
 
 
 @dataclass(frozen=True)
-class Recipe:
+class SolverSpec:
     """A solver and how to build it again in another process.
 
     name     the name that the study uses; part of every run's identity
@@ -81,23 +81,23 @@ class Recipe:
         return {name: offered[name] for name in chosen}
 
 
-def calls(
-    recipe: Recipe, columns: Mapping[str, Any], constants: Mapping[str, Any] | None = None
-) -> list[Call]:
+def run_inputs(
+    spec: SolverSpec, columns: Mapping[str, Any], constants: Mapping[str, Any] | None = None
+) -> list[RunInputs]:
     """The solver's keyword arguments for each run: nominal values, constants, columns.
 
     columns: physical values, name -> (run,). Raises `StudyError` for an input that the
     solver does not have, lacks, or that is not a finite number or a known level.
     """
-    inputs, constants = recipe.solver.inputs, dict(constants or {})
+    inputs, constants = spec.solver.inputs, dict(constants or {})
     given = {**constants, **columns}
     mistakes = [
-        f"{recipe.name} has no input '{name}'; {nearest(name, inputs)}"
+        f"{spec.name} has no input '{name}'; {nearest(name, inputs)}"
         for name in given
         if name not in inputs
     ]
     mistakes += [
-        f"{recipe.name} needs a value for '{name}'; make it a parameter or a constant"
+        f"{spec.name} needs a value for '{name}'; make it a parameter or a constant"
         for name, one in inputs.items()
         if name not in given and one.nominal is None
     ]
@@ -130,13 +130,13 @@ def _value(name: str, one: Input, value: Any) -> float | str:
     return number
 
 
-def keys(recipe: Recipe, calls: Iterable[Call]) -> list[str]:
+def keys(spec: SolverSpec, calls: Iterable[RunInputs]) -> list[str]:
     """Identity of each run, 32 hexadecimal digits; equal for equal runs."""
-    return keys_in(recipe.context, calls, recipe.deterministic)
+    return keys_in(spec.context, calls, spec.deterministic)
 
 
-def keys_in(context: str, calls: Iterable[Call], deterministic: bool) -> list[str]:
-    """Identity of each run of the solver that `context` describes (`Recipe.context`)."""
+def keys_in(context: str, calls: Iterable[RunInputs], deterministic: bool) -> list[str]:
+    """Identity of each run of the solver that `context` describes (`SolverSpec.context`)."""
     start = hashlib.sha256(context.encode())
     repeated = Counter()
     result = []

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from surrogate.errors import ResultsError
-from surrogate.runs.lock import give_back, take_lock
+from surrogate.runs.lock import release_lock, take_lock
 
 SYNC_SECONDS = 0.5
 RECORDS, FIELDS, LOCK = "runs.jsonl", "fields.bin", "lock"
@@ -68,7 +68,7 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Contents:
+class JournalContents:
     """What a journal held when it was read: records by key, and bytes that count."""
 
     records: dict[str, Record]
@@ -86,7 +86,7 @@ class Contents:
         return data.reshape(place["shape"])
 
 
-def read(folder: str | Path) -> Contents:
+def read(folder: str | Path) -> JournalContents:
     """All whole records of the journal in `folder`; the last one of a key counts.
 
     Changes nothing, so it is safe while another process writes. A journal that does not
@@ -97,7 +97,7 @@ def read(folder: str | Path) -> Contents:
     try:
         data = (folder / RECORDS).read_bytes()
     except FileNotFoundError:
-        return Contents({}, folder)
+        return JournalContents({}, folder)
     except OSError as error:
         raise ResultsError(
             f"{folder / RECORDS} cannot be read: {error.strerror or error}; it is "
@@ -112,7 +112,7 @@ def read(folder: str | Path) -> Contents:
                 dropped += 1
             else:
                 records[record.key] = record
-    return Contents(records, folder, length, dropped)
+    return JournalContents(records, folder, length, dropped)
 
 
 def _parse(line: bytes) -> Record | None:
@@ -155,7 +155,7 @@ class Journal:
 
     def __init__(self, folder: str | Path):
         self.folder = Path(folder)
-        self.contents = Contents({}, self.folder)
+        self.contents = JournalContents({}, self.folder)
         self._unsynced_since: float | None = None
 
     @property
@@ -174,7 +174,7 @@ class Journal:
             self._records = _Appending(self.folder / RECORDS, cut=self.contents.length)
             self._fields = _Appending(self.folder / FIELDS)
         except BaseException as error:
-            give_back(self.folder / LOCK, self._lock)
+            release_lock(self.folder / LOCK, self._lock)
             if isinstance(error, OSError):
                 raise _trouble(self.folder, error) from error
             raise
@@ -187,7 +187,7 @@ class Journal:
         finally:
             self._records.close()
             self._fields.close()
-            give_back(self.folder / LOCK, self._lock)
+            release_lock(self.folder / LOCK, self._lock)
 
     def append(self, record: Record, fields: Mapping[str, np.ndarray] | None = None) -> None:
         """Add a finished run, its arrays first; places that the record states stay valid.
@@ -209,7 +209,7 @@ class Journal:
             self._unsynced_since = time.monotonic()
         self.sync()
 
-    def adopt(self, record: Record, other: Contents) -> None:
+    def adopt(self, record: Record, other: JournalContents) -> None:
         """Add a run that another journal holds, with its arrays."""
         fields = {name: other.values(record, name) for name in record.fields}
         self.append(replace(record, fields={}), fields)

@@ -62,7 +62,7 @@ def _holder(path: Path) -> str:
     return "another process"
 
 
-def give_back(path: Path, lock: int) -> None:
+def release_lock(path: Path, lock: int) -> None:
     """Free a lock."""
     _HELD.discard(os.path.realpath(path))
     os.close(lock)

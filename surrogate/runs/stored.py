@@ -19,8 +19,8 @@ import xarray as xr
 
 from surrogate.errors import ResultsError, StudyError
 from surrogate.runs import dataset as rundata
-from surrogate.runs.identity import Call, Recipe, keys_in
-from surrogate.runs.journal import Contents, Record
+from surrogate.runs.identity import RunInputs, SolverSpec, keys_in
+from surrogate.runs.journal import JournalContents, Record
 
 #: Inputs that differ by less than this share of the largest value in a file are one input.
 SAME = 1e-12
@@ -42,11 +42,11 @@ class StoredRuns:
 
     @property
     def context(self) -> str:
-        """Solver, version and options as canonical JSON (`Recipe.context`)."""
+        """Solver, version and options as canonical JSON (`SolverSpec.context`)."""
         return self.runs.attrs["identity"]
 
     @cached_property
-    def calls(self) -> list[Call]:
+    def run_inputs(self) -> list[RunInputs]:
         """What the solver was called with, for each run."""
         fixed = json.loads(self.runs.attrs["fixed_inputs"])
         names = self.runs["parameter"].values.tolist()
@@ -115,7 +115,7 @@ def load(path: Path, name: str) -> StoredRuns:
 
 
 @dataclass(frozen=True)
-class Given:
+class StoredMatches:
     """Stored runs that are points of a study, by their identity in that study."""
 
     records: dict[str, Record] = field(default_factory=dict)
@@ -131,20 +131,20 @@ class Given:
 
 def match(
     files: Iterable[StoredRuns],
-    recipe: Recipe,
-    calls: Sequence[Call],
+    spec: SolverSpec,
+    calls: Sequence[RunInputs],
     keys: Sequence[str],
     wanted: Iterable[str],
-) -> Given:
+) -> StoredMatches:
     """The stored runs that are points of a study, of several the first with an answer.
 
     calls, keys: the study's points. Good runs must have all outputs `wanted`.
     """
-    wanted, given = list(wanted), Given()
+    wanted, given = list(wanted), StoredMatches()
     for file in files:
-        if file.context != recipe.context:
+        if file.context != spec.context:
             continue
-        rows = _rows_of(file, recipe, dict(zip(keys, calls, strict=True)))
+        rows = _rows_of(file, spec, dict(zip(keys, calls, strict=True)))
         for key, row in rows.items():
             record = file.record(key, row)
             first = given.records.get(key)
@@ -153,17 +153,17 @@ def match(
     return given
 
 
-def _rows_of(file: StoredRuns, recipe: Recipe, calls: Mapping[str, Call]) -> dict[str, int]:
+def _rows_of(file: StoredRuns, spec: SolverSpec, calls: Mapping[str, RunInputs]) -> dict[str, int]:
     """Row of the file for each key of the study that it has."""
     rows = {key: file.rows[key] for key in calls if key in file.rows}
     left = [key for key in calls if key not in rows]
-    if not left or not recipe.deterministic or not file.rows:
+    if not left or not spec.deterministic or not file.rows:
         return rows
     candidates = np.array(list(file.rows.values()))
-    numbers, words = _split([file.calls[row] for row in candidates], recipe)
+    numbers, words = _split([file.calls[row] for row in candidates], spec)
     tolerance = SAME * np.abs(numbers).max(axis=0, initial=0.0)
     for key in left:
-        number, word = _split([calls[key]], recipe)
+        number, word = _split([calls[key]], spec)
         close = (np.abs(numbers - number) <= tolerance).all(axis=1)
         found = np.flatnonzero(close & (words == word).all(axis=1))
         if len(found):
@@ -171,9 +171,9 @@ def _rows_of(file: StoredRuns, recipe: Recipe, calls: Mapping[str, Call]) -> dic
     return rows
 
 
-def _split(calls: Sequence[Call], recipe: Recipe) -> tuple[np.ndarray, np.ndarray]:
+def _split(calls: Sequence[RunInputs], spec: SolverSpec) -> tuple[np.ndarray, np.ndarray]:
     """Numbers and level names of the calls, (run, input) each; what is not given is NaN or ''."""
-    inputs = recipe.solver.inputs
+    inputs = spec.solver.inputs
     numbers = [
         [call.get(name, np.nan) for name, one in inputs.items() if not one.levels] for call in calls
     ]
@@ -182,11 +182,11 @@ def _split(calls: Sequence[Call], recipe: Recipe) -> tuple[np.ndarray, np.ndarra
 
 
 @dataclass(frozen=True)
-class Known:
+class KnownRuns:
     """A journal, and stored runs where it has no answer."""
 
-    journal: Contents
-    given: Given
+    journal: JournalContents
+    given: StoredMatches
     wanted: tuple[str, ...]
 
     @cached_property
@@ -217,10 +217,10 @@ class Known:
 
 
 def first_difference(
-    file: StoredRuns, recipe: Recipe, calls: Sequence[Call], wanted: Iterable[str]
+    file: StoredRuns, spec: SolverSpec, calls: Sequence[RunInputs], wanted: Iterable[str]
 ) -> str:
     """Why no run of the file is a point of the study: what differs first, then -> now."""
-    then, now = json.loads(file.context), json.loads(recipe.context)
+    then, now = json.loads(file.context), json.loads(spec.context)
     for word in ("solver", "version"):
         if then.get(word) != now[word]:
             return f"other {word} {then.get(word)} -> {now[word]}"
@@ -228,7 +228,7 @@ def first_difference(
     for name in {**then, **now}:
         if then.get(name) != now.get(name):
             return f"other option {name}: {then.get(name, 'none')} -> {now.get(name, 'none')}"
-    for name, one in recipe.solver.inputs.items():
+    for name, one in spec.solver.inputs.items():
         before, after = ({call.get(name) for call in some} for some in (file.calls, calls))
         if not _meet(before, after):
             unit = f" {one.unit}".rstrip()

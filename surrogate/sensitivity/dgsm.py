@@ -41,12 +41,12 @@ def dgsm(
     _require_derivatives(one)
     cube = problem(space)
 
-    def sample(one_seed: int) -> np.ndarray:
+    def sample(seed: int) -> np.ndarray:
         runs = 2 ** int(np.ceil(np.log2(samples)))
-        u = next(unit_blocks(space.size, runs, runs, np.random.default_rng(one_seed)))
+        u = next(unit_blocks(space.size, runs, runs, np.random.default_rng(seed)))
         return _star(u, STEP).reshape(-1, space.size)
 
-    def analyse(u: np.ndarray, values: np.ndarray, one_seed: int) -> dict[str, np.ndarray]:
+    def analyse(u: np.ndarray, values: np.ndarray, seed: int) -> dict[str, np.ndarray]:
         # Intervals come from replicates, so SALib's bootstrap is kept as short as it goes.
         found = analysis.analyze(cube, u, values, num_resamples=2)
         return {"nu": found["vi"], "total_bound": found["dgsm"]}

@@ -100,7 +100,7 @@ class Measure:
 
 
 @dataclass(frozen=True)
-class Together:
+class JointMeasure:
     """Several measures of the same estimators, one after another."""
 
     parts: tuple[Measure, ...]
@@ -141,7 +141,7 @@ def _posterior(one: Model, measure, size: int, seed) -> list[Indices] | None:
     elif hasattr(one.estimator, "sample_y"):
 
         def functions(coded):
-            return one.estimator.sample_y(coded, size, random_state=one_seed(seed))
+            return one.estimator.sample_y(coded, size, random_state=integer_seed(seed))
 
         pairs = JOINT_SAMPLES
     else:
@@ -155,7 +155,7 @@ def _moved(drawn: tuple, centre: tuple) -> tuple:
     return tuple(one - other for one, other in zip(drawn, centre, strict=True))
 
 
-def one_seed(seed) -> int:
+def integer_seed(seed) -> int:
     """A seed of 32 bits, for libraries that know no generators."""
     return int(np.random.default_rng(seed).integers(2**31))
 

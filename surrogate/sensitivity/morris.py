@@ -42,12 +42,12 @@ def morris(
         )
     cube = problem(space)
 
-    def sample(one_seed: int) -> np.ndarray:
-        return sampling.sample(cube, trajectories, num_levels=levels, seed=one_seed)
+    def sample(seed: int) -> np.ndarray:
+        return sampling.sample(cube, trajectories, num_levels=levels, seed=seed)
 
-    def analyse(u: np.ndarray, values: np.ndarray, one_seed: int) -> dict[str, np.ndarray]:
+    def analyse(u: np.ndarray, values: np.ndarray, seed: int) -> dict[str, np.ndarray]:
         # Intervals come from replicates, so SALib's bootstrap is kept as short as it goes.
-        return analysis.analyze(cube, u, values, num_resamples=2, num_levels=levels, seed=one_seed)
+        return analysis.analyze(cube, u, values, num_resamples=2, num_levels=levels, seed=seed)
 
     method = Method(
         "morris",

@@ -36,11 +36,11 @@ def pawn(
     require_at_least(8 * slices, samples=samples)
     cube = problem(space)
 
-    def sample(one_seed: int) -> np.ndarray:
+    def sample(seed: int) -> np.ndarray:
         runs = 2 ** int(np.ceil(np.log2(samples)))
-        return next(unit_blocks(space.size, runs, runs, np.random.default_rng(one_seed)))
+        return next(unit_blocks(space.size, runs, runs, np.random.default_rng(seed)))
 
-    def analyse(u: np.ndarray, values: np.ndarray, one_seed: int) -> dict[str, np.ndarray]:
+    def analyse(u: np.ndarray, values: np.ndarray, seed: int) -> dict[str, np.ndarray]:
         return analysis.analyze(cube, u, values, S=slices)
 
     method = Method(

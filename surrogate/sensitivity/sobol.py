@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from surrogate.sensitivity.draws import Measure, Together, spread
+from surrogate.sensitivity.draws import JointMeasure, Measure, spread
 from surrogate.sensitivity.groups import Named, knows_groups, numbers
 from surrogate.sensitivity.model import Model, model, require_independent
 from surrogate.sensitivity.pick_freeze import pick_freeze
@@ -62,7 +62,9 @@ def sobol(
         )
         values += found[0]
         half += found[1]
-    spreads = spread(one, Together(tuple(measures)), draws=draws, confidence=confidence, seed=seed)
+    spreads = spread(
+        one, JointMeasure(tuple(measures)), draws=draws, confidence=confidence, seed=seed
+    )
     variables = {}
     for (name, dims), value, width, part in zip(_named(values), values, half, spreads, strict=True):
         estimate = Estimate(value, width, part.below, part.above)

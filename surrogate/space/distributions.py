@@ -129,7 +129,7 @@ def distribution(name: str, *, range: Range = UNBOUNDED, **words: float) -> Dist
     return Distribution(base, support, tuple(described.items()))
 
 
-def words_of(name: str) -> tuple[list[str], list[str]]:
+def option_names(name: str) -> tuple[list[str], list[str]]:
     """Words that distribution `name` takes (besides `range`), and those that it needs."""
     if name in _NAMED:
         words = [key for key in inspect.signature(_NAMED[name]).parameters if key != "range"]
@@ -151,7 +151,7 @@ def words_of(name: str) -> tuple[list[str], list[str]]:
 
 def _base(name: str, range: Range, words: Mapping[str, float]) -> tuple[Any, dict[str, float]]:
     """Frozen scipy distribution before truncation, and its words."""
-    accepted, required = words_of(name)
+    accepted, required = option_names(name)
     mistakes = [
         f"distribution {name} does not take '{word}'; {nearest(word, accepted)}"
         for word in words

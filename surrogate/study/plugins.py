@@ -70,7 +70,7 @@ def _resolve(path: str) -> Any:
 
 
 def _load(name: str, loader) -> Any:
-    """Call `loader`; whatever goes wrong in a stranger's module becomes one sentence."""
+    """RunInputs `loader`; whatever goes wrong in a stranger's module becomes one sentence."""
     try:
         return loader()
     except Exception as error:

@@ -22,9 +22,9 @@ from surrogate.fitting.fit import Fit
 from surrogate.report import Content, Page, build
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
-from surrogate.runs.identity import Call, Recipe, calls, canonical, keys
+from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
 from surrogate.runs.journal import read as read_journal
-from surrogate.runs.stored import Given, Known, StoredRuns
+from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
 from surrogate.sensitivity.screening import Screening, decide
 from surrogate.sensitivity.table import combine
 from surrogate.solver import Output
@@ -52,7 +52,7 @@ class Study:
 
     name: str
     about: str
-    recipe: Recipe
+    spec: SolverSpec
     space: Space
     constants: Mapping[str, float | str]
     outputs: tuple[str, ...]
@@ -108,7 +108,7 @@ class Study:
         return write_yaml(
             {
                 **self.source.data,
-                "solver": {"name": self.recipe.name, "options": self.recipe.plain_options},
+                "solver": {"name": self.spec.name, "options": self.spec.plain_options},
             }
         )
 
@@ -128,18 +128,20 @@ class Study:
         return (results or self.folder) / "journal"
 
     @cached_property
-    def _calls(self) -> list[Call]:
+    def _calls(self) -> list[RunInputs]:
         """What the solver is called with, for each row of the runs dataset."""
-        return calls(self.recipe, rundata.columns(self.space, self.points), self.constants)
+        return run_inputs(
+            self.spec, rundata.physical_columns(self.space, self.points), self.constants
+        )
 
     @cached_property
-    def _given(self) -> Given:
+    def _given(self) -> StoredMatches:
         """The runs that the study's stored files hold."""
         return self._matching(self.stored_runs)
 
-    def _matching(self, files: Iterable[StoredRuns]) -> Given:
+    def _matching(self, files: Iterable[StoredRuns]) -> StoredMatches:
         return storing.match(
-            files, self.recipe, self._calls, keys(self.recipe, self._calls), self.outputs
+            files, self.spec, self._calls, keys(self.spec, self._calls), self.outputs
         )
 
     def stored(self, results: Path | None = None) -> xr.Dataset:
@@ -147,11 +149,11 @@ class Study:
 
         Its attribute `stored` tells how many runs came from which stored file.
         """
-        known = Known(read_journal(self.journal(results)), self._given, self.outputs)
+        known = KnownRuns(read_journal(self.journal(results)), self._given, self.outputs)
         runs = rundata.assemble(
             self.space,
             self.points,
-            self.recipe,
+            self.spec,
             known,
             constants=self.constants,
             outputs=self.outputs,
@@ -162,7 +164,7 @@ class Study:
                 if "seed" in design.options
             },
         )
-        return runs.assign_attrs(stored=canonical(known.origins(keys(self.recipe, self._calls))))
+        return runs.assign_attrs(stored=canonical(known.origins(keys(self.spec, self._calls))))
 
     @property
     def unused(self) -> list[str]:
@@ -171,7 +173,7 @@ class Study:
             self.source.sentence(
                 ("stored", index),
                 f"no run in '{file.name}' is one of this study's: "
-                + storing.first_difference(file, self.recipe, self._calls, self.outputs),
+                + storing.first_difference(file, self.spec, self._calls, self.outputs),
             )
             for index, file in enumerate(self.stored_runs)
             if not self._matching([file]).records
@@ -198,8 +200,8 @@ class Study:
         known = {} if fresh else {"others": self._neighbours(results), "given": self._given}
         carry_out = execute_fresh if fresh else execute
         carry_out(
-            self.recipe,
-            rundata.columns(self.space, self.points),
+            self.spec,
+            rundata.physical_columns(self.space, self.points),
             journal=self.journal(results),
             constants=self.constants,
             outputs=self.outputs,
@@ -278,7 +280,7 @@ class Study:
 
     def regressions(self, fits: Fits) -> dict[str, dict[str, xr.Dataset]]:
         """Regression tables: surrogate -> output -> dataset, for polynomials of scalars."""
-        deterministic = self.recipe.deterministic
+        deterministic = self.spec.deterministic
         tables = {
             name: {
                 output: fit.estimator.regression_table(deterministic=deterministic)
@@ -357,7 +359,7 @@ class Study:
     @property
     def _nominal(self) -> dict[str, float | str]:
         """The solver's nominal values of those parameters whose range holds theirs."""
-        nominal = {p.name: self.recipe.solver.inputs[p.name].nominal for p in self.space.parameters}
+        nominal = {p.name: self.spec.solver.inputs[p.name].nominal for p in self.space.parameters}
         return {
             p.name: nominal[p.name]
             for p in self.space.parameters
@@ -390,14 +392,14 @@ class Study:
             found = from_runs(found.stored(self.beside(found, results)), found.name)
         elif isinstance(found, xr.Dataset):
             found = from_runs(found, "runs")
-        found = found.in_units({**self.recipe.solver.inputs, **self.recipe.solver.outputs})
+        found = found.in_units({**self.spec.solver.inputs, **self.spec.solver.outputs})
         found = found.by_subject(self.validation and self.validation.subject)
         reading.check_cases(found, self.space, self._offered, self._compared)
         return found
 
     @property
     def _offered(self) -> dict[str, Output]:
-        return {name: self.recipe.solver.outputs[name] for name in self.outputs}
+        return {name: self.spec.solver.outputs[name] for name in self.outputs}
 
     @property
     def _compared(self) -> tuple[str, ...]:
@@ -424,7 +426,7 @@ class Study:
             found,
             units,
             self.validation.models if self.validation else {},
-            fixed_inputs(self.recipe.solver, self.space, self.constants),
+            fixed_inputs(self.spec.solver, self.space, self.constants),
         )
 
     def report(
@@ -482,7 +484,7 @@ def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
     if part is None:
         raise StudyError(*reading.sentences(source, mistakes))
     notes = Reading(part, folder, broken, mistakes)
-    recipe, solver = reading.solver_of(notes)
+    spec, solver = reading.solver_of(notes)
     space = reading.space_of(notes, solver) if solver else None
     constants = reading.constants_of(notes, solver) if solver else {}
     outputs = reading.outputs_of(notes, solver, space) if solver else ()
@@ -502,7 +504,7 @@ def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
     return cls(
         part.study,
         part.about.strip(),
-        recipe,
+        spec,
         space,
         constants,
         outputs,

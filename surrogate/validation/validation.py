@@ -11,7 +11,7 @@ import xarray as xr
 
 from surrogate.errors import SolverError
 from surrogate.fitting.fit import Fit
-from surrogate.runs.identity import Recipe, calls
+from surrogate.runs.identity import SolverSpec, run_inputs
 from surrogate.solver import Solver
 from surrogate.space import units
 from surrogate.space.space import Parameter, Space
@@ -59,7 +59,7 @@ class Validation:
     reference: Any = None
     outputs: tuple[str, ...] = ()
     subject: str | None = None
-    models: Mapping[str, Recipe] = field(default_factory=dict)
+    models: Mapping[str, SolverSpec] = field(default_factory=dict)
 
 
 def outputs_in(cases: Cases, offered: Mapping[str, Any], wanted: Iterable[str]) -> tuple[str, ...]:
@@ -74,7 +74,7 @@ def validate(
     fits: Mapping[str, Mapping[str, Fit]],
     cases: Cases,
     outputs: Mapping[str, str],
-    models: Mapping[str, Recipe] | None = None,
+    models: Mapping[str, SolverSpec] | None = None,
     fixed: Mapping[str, Fixed] | None = None,
 ) -> xr.Dataset:
     """Every surrogate and model beside the cases.
@@ -100,8 +100,8 @@ def validate(
             name: {output: _of_fit(by[output], coded, inside) for output in outputs if output in by}
             for name, by in fits.items()
         }
-    for name, recipe in (models or {}).items():
-        answers[name], said = _of_model(recipe, cases, inside, outputs, fixed or {})
+    for name, spec in (models or {}).items():
+        answers[name], said = _of_model(spec, cases, inside, outputs, fixed or {})
         notes += [f"{name}: {words}" for words in said]
     answers = {name: by for name, by in answers.items() if by}
     return _dataset(cases, columns, outputs, reference, answers, inside, why, notes, space)
@@ -138,22 +138,22 @@ def _of_fit(fit: Fit, coded: np.ndarray, inside: np.ndarray) -> np.ndarray:
 
 
 def _of_model(
-    recipe: Recipe,
+    spec: SolverSpec,
     cases: Cases,
     inside: np.ndarray,
     outputs: Mapping[str, str],
     fixed: Mapping[str, Fixed],
 ) -> tuple[dict[str, np.ndarray], list[str]]:
     """Values of each output that the model has, as (3, case), and what went wrong."""
-    columns = cases.inputs(recipe.solver.inputs)
-    kept = constants_for(recipe, fixed, columns)
-    offered = recipe.solver.outputs
+    columns = cases.inputs(spec.solver.inputs)
+    kept = constants_for(spec, fixed, columns)
+    offered = spec.solver.outputs
     values = {name: np.full((3, len(cases.places)), np.nan) for name in outputs if name in offered}
     refused: list[str] = []
-    asked = _calls(recipe, columns, kept, len(cases.places))
+    asked = _calls(spec, columns, kept, len(cases.places))
     for k in np.flatnonzero(inside):
         try:
-            answer = recipe.solver(**asked[k])
+            answer = spec.solver(**asked[k])
         except Exception as error:  # a model's failure costs its case, whatever it is
             kind = "" if isinstance(error, SolverError) else f"{type(error).__name__}: "
             refused.append(f"{cases.labels[k]} ({kind}{error})")
@@ -165,10 +165,10 @@ def _of_model(
 
 
 def constants_for(
-    recipe: Recipe, fixed: Mapping[str, Fixed], columns: Iterable[str]
+    spec: SolverSpec, fixed: Mapping[str, Fixed], columns: Iterable[str]
 ) -> dict[str, float | str]:
     """The study's constants that a model takes and the cases do not give, in its units."""
-    inputs = recipe.solver.inputs
+    inputs = spec.solver.inputs
     return {
         name: one.value
         if inputs[name].levels
@@ -211,12 +211,12 @@ def _ends(cases: Cases, name: str, one: Fixed) -> tuple[str, str]:
     return f"{' to '.join(ends)} {one.unit}".strip() if ends else "", f"{one.value:.4g}"
 
 
-def _calls(recipe: Recipe, columns, constants, count: int) -> list[dict]:
+def _calls(spec: SolverSpec, columns, constants, count: int) -> list[dict]:
     """The model's arguments for each case; the same ones when it takes no column at all."""
     return (
-        calls(recipe, columns, constants)
+        run_inputs(spec, columns, constants)
         if columns
-        else [{**{n: one.nominal for n, one in recipe.solver.inputs.items()}, **constants}] * count
+        else [{**{n: one.nominal for n, one in spec.solver.inputs.items()}, **constants}] * count
     )
 
 

@@ -59,7 +59,7 @@ class Reduced:
                     f"{path}: a stored study of legs needs a surrogate named "
                     f"'{name}'; {nearest(name, study.surrogates)}"
                 )
-        if "cohort" in study.recipe.plain_options:
+        if "cohort" in study.spec.plain_options:
             raise StudyError(
                 f"{path}: its legs are those of a cohort of its own; the pressure on "
                 "a scan is predicted in the shape modes that ship"
@@ -122,7 +122,7 @@ class Reduced:
             "stretch": worn.stretch,
             "tension": worn.tension if varies_stretch else worn.effective_tension,
         }
-        solver = self.study.recipe.solver.inputs
+        solver = self.study.spec.solver.inputs
         values = {name: known.get(name, solver[name].nominal) for name in self.names}
         silent = [name for name, value in values.items() if value is None]
         if silent:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from markupsafe import Markup
 
-from surrogate.report.digits import labelled, plain
+from surrogate.report.digits import labelled, number
 from surrogate.report.drawing import (
     WIDTH,
     Scale,
@@ -146,4 +146,4 @@ def _ends(parameter: Parameter) -> str:
     if parameter.categorical:
         return f"{len(parameter.levels)} levels"
     lower, upper = parameter.distribution.support
-    return labelled(f"{plain(lower, 3)} to {plain(upper, 3)}", parameter.unit)
+    return labelled(f"{number(lower, 3)} to {number(upper, 3)}", parameter.unit)

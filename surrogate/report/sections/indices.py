@@ -124,7 +124,7 @@ def _how(table: xr.Dataset, first: dict) -> str:
 def _bars_caption(table: xr.Dataset, freeze_below: float | None) -> str:
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
     line = (
-        f" Dashed: a parameter surely below {digits.plain(freeze_below)} may be frozen."
+        f" Dashed: a parameter surely below {digits.number(freeze_below)} may be frozen."
         if freeze_below is not None
         else ""
     )

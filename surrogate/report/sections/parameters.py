@@ -53,8 +53,8 @@ def _row(parameter: Parameter, described: bool) -> tuple[Cell, ...]:
     return (
         Cell(parameter.name),
         Cell(unit),
-        Cell(digits.plain(lower), lower),
-        Cell(digits.plain(upper), upper),
+        Cell(digits.number(lower), lower),
+        Cell(digits.number(upper), upper),
         Cell(_law(parameter)),
         *meaning,
     )
@@ -64,7 +64,7 @@ def _law(parameter: Parameter) -> str:
     words = dict(parameter.distribution.words)
     name = words.pop("distribution")
     bounds = words.pop("range", None)
-    written = ", ".join(f"{key} {digits.plain(value)}" for key, value in words.items())
+    written = ", ".join(f"{key} {digits.number(value)}" for key, value in words.items())
     cut = ", truncated to the range" if bounds is not None and words else ""
     return f"{name}{': ' if written else ''}{written}{cut}"
 

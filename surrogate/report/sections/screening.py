@@ -53,7 +53,7 @@ def sentence(decision: Screening) -> str:
     if decision.refused:
         return "Nothing is frozen, because the indices are not to be trusted."
     rule = (
-        f"its total index is surely below {digits.plain(decision.freeze_below)} "
+        f"its total index is surely below {digits.number(decision.freeze_below)} "
         f"({digits.percent(decision.confidence)} intervals)"
     )
     if not decision.freeze:
@@ -130,7 +130,7 @@ def _decision(content: Content, verdict: Verdict) -> str:
     if isinstance(verdict.value, str):
         return f"freeze at\u00a0{verdict.value}"
     unit = content.unit(verdict.parameter)
-    return f"freeze at\u00a0{digits.with_unit(digits.plain(verdict.value, 4), unit)}"
+    return f"freeze at\u00a0{digits.with_unit(digits.number(verdict.value, 4), unit)}"
 
 
 def _cost(decision: Screening) -> Table:

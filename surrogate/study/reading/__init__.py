@@ -8,7 +8,7 @@ from surrogate.study.reading.methods import (
     sensitivity_of,
     surrogates_of,
 )
-from surrogate.study.reading.notes import Reading, sentences
+from surrogate.study.reading.mistakes import Reading, sentences
 from surrogate.study.reading.runs import stored_of
 from surrogate.study.reading.solver import constants_of, outputs_of, solver_of, space_of
 from surrogate.study.reading.validation import cases_at, check_cases, validation_of

@@ -18,7 +18,7 @@ from surrogate.space.space import Space
 from surrogate.study import file as studyfile
 from surrogate.study import plugins
 from surrogate.study.file import DesignPart, SurrogatePart
-from surrogate.study.reading.notes import Reading
+from surrogate.study.reading.mistakes import Reading
 
 #: Parameters of plug-ins that the framework fills in; they are not options.
 GIVEN_TO_DESIGNS = ("space", "coded", "folder")

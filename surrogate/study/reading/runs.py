@@ -6,7 +6,7 @@ from pathlib import Path
 
 from surrogate.runs import stored
 from surrogate.runs.stored import StoredRuns
-from surrogate.study.reading.notes import Reading
+from surrogate.study.reading.mistakes import Reading
 
 
 def stored_of(reading: Reading) -> tuple[StoredRuns, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from surrogate.errors import StudyError, nearest
 from surrogate.runs import dataset as runs
-from surrogate.runs.identity import Recipe
+from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Input, Output, Solver
 from surrogate.space import distributions, units
 from surrogate.space.space import Parameter, Space
@@ -17,7 +17,7 @@ from surrogate.study import file as studyfile
 from surrogate.study import plugins
 from surrogate.study.file import ParameterPart, SolverPart
 from surrogate.study.plugins import SolverFactory
-from surrogate.study.reading.notes import Reading
+from surrogate.study.reading.mistakes import Reading
 
 #: Parameters of a solver's constructor that the framework fills in; they are not options.
 GIVEN_TO_SOLVERS = ("self", "folder")
@@ -25,37 +25,37 @@ GIVEN_TO_SOLVERS = ("self", "folder")
 
 def solver_of(
     reading: Reading, part: SolverPart | None = None, path: tuple[str, ...] = ("solver",)
-) -> tuple[Recipe, Solver | None]:
+) -> tuple[SolverSpec, Solver | None]:
     """The study's solver, or that of `part`, built once here to learn its inputs and outputs."""
     part = reading.part.solver if part is None else part
     factory = SolverFactory(part.name, reading.folder)
-    recipe = Recipe(part.name, factory, part.options)
+    spec = SolverSpec(part.name, factory, part.options)
     if reading.is_broken(*path):
-        return recipe, None
+        return spec, None
     with reading.noting(*path, "name"):
         mistakes = plugins.option_mistakes(factory.find(), part.options, GIVEN_TO_SOLVERS)
         reading.options_wrong(mistakes, *path, "options")
-        solver = None if mistakes else _built(recipe, reading, path)
+        solver = None if mistakes else _built(spec, reading, path)
         if solver is not None:
-            return recipe, solver
+            return spec, solver
         # Options that are right, or none, may build a solver to check the rest of the study with.
         wrong = {option for option, _ in mistakes}
         sound = {name: value for name, value in part.options.items() if name not in wrong}
         aside = replace(reading, mistakes=[])
         for options in (sound, {}) if mistakes else ({},):
-            solver = _built(replace(recipe, options=options), aside, path)
+            solver = _built(replace(spec, options=options), aside, path)
             if solver is not None:
-                return recipe, solver
-    return recipe, None
+                return spec, solver
+    return spec, None
 
 
-def _built(recipe: Recipe, reading: Reading, path: tuple[str, ...]) -> Solver | None:
+def _built(spec: SolverSpec, reading: Reading, path: tuple[str, ...]) -> Solver | None:
     with reading.noting(*path, "options"):
-        solver = plugins.call(f"solver '{recipe.name}' cannot be built", lambda: recipe.solver)
+        solver = plugins.call(f"solver '{spec.name}' cannot be built", lambda: spec.solver)
         if isinstance(solver, Solver):
             described = (("inputs", solver.inputs, Input), ("outputs", solver.outputs, Output))
             mistakes = [
-                f"'{recipe.name}' is not a solver: its {what} must map names to "
+                f"'{spec.name}' is not a solver: its {what} must map names to "
                 f"surrogate.solver.{kind.__name__}"
                 for what, given, kind in described
                 if not isinstance(given, Mapping)
@@ -66,7 +66,7 @@ def _built(recipe: Recipe, reading: Reading, path: tuple[str, ...]) -> Solver | 
             return None if mistakes else solver
         lacking = [name for name in ("inputs", "outputs", "version") if not hasattr(solver, name)]
         reading.wrong(
-            f"'{recipe.name}' is not a solver: it has no {', '.join(lacking) or '__call__'}",
+            f"'{spec.name}' is not a solver: it has no {', '.join(lacking) or '__call__'}",
             *path,
             "name",
         )
@@ -107,7 +107,7 @@ def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
     unit = taken.unit if part.unit is None else part.unit
     convert = units.conversion(unit, taken.unit)
     kind = part.distribution or "uniform"
-    accepted = [*distributions.words_of(kind)[0], *ParameterPart.model_fields]
+    accepted = [*distributions.option_names(kind)[0], *ParameterPart.model_fields]
     mistakes = [
         f"key '{word}' is unknown here; {nearest(word, accepted)}"
         for word in part.options

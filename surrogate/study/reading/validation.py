@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from surrogate.errors import StudyError, nearest
-from surrogate.runs.identity import Recipe
+from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Output, Solver
 from surrogate.space.space import Space
-from surrogate.study.reading.notes import Reading
+from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.solver import solver_of
 from surrogate.validation.cases import Cases, header, lacking, read_csv, read_runs
 from surrogate.validation.validation import Validation, constants_for, fixed_inputs, outputs_in
@@ -77,7 +77,7 @@ def validation_of(
 
 def header_of(reference: Any, name: str) -> Cases:
     """Which columns the runs of another study will have."""
-    solver = reference.recipe.solver
+    solver = reference.spec.solver
     return header(
         {
             **solver.inputs,
@@ -130,7 +130,7 @@ def _outputs(reading: Reading, offered: Mapping[str, Output]) -> tuple[str, ...]
     return tuple(kept)
 
 
-def _models(reading: Reading) -> dict[str, Recipe]:
+def _models(reading: Reading) -> dict[str, SolverSpec]:
     models = {}
     for name, part in reading.part.validation.models.items():
         path = ("validation", "models", name)
@@ -139,32 +139,32 @@ def _models(reading: Reading) -> dict[str, Recipe]:
                 f"'{name}' is also a surrogate; give the model another name", *path, on_key=True
             )
         before = len(reading.mistakes)
-        recipe, built = solver_of(reading, part, path)
+        spec, built = solver_of(reading, part, path)
         if built is not None and len(reading.mistakes) == before:
-            models[name] = recipe
+            models[name] = spec
     return models
 
 
 def _check_models(
     reading: Reading,
-    models: Mapping[str, Recipe],
+    models: Mapping[str, SolverSpec],
     cases: Cases,
     outputs: tuple[str, ...],
     fixed: Mapping[str, Any],
 ) -> None:
-    for name, recipe in models.items():
-        path, solver = ("validation", "models", name), recipe.solver
+    for name, spec in models.items():
+        path, solver = ("validation", "models", name), spec.solver
         if not set(outputs) & set(solver.outputs):
             reading.wrong(
-                f"{recipe.name} has no output {' or '.join(outputs)}; it has "
+                f"{spec.name} has no output {' or '.join(outputs)}; it has "
                 f"{', '.join(solver.outputs)}",
                 *path,
             )
         with reading.noting(*path):
             cases.inputs(solver.inputs)
-            given = {*cases.columns, *constants_for(recipe, fixed, cases.columns)}
+            given = {*cases.columns, *constants_for(spec, fixed, cases.columns)}
             missing = [
-                f"{recipe.name} needs '{one}', which the cases do not have"
+                f"{spec.name} needs '{one}', which the cases do not have"
                 for one, taken in solver.inputs.items()
                 if taken.nominal is None and one not in given
             ]

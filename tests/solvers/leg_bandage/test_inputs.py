@@ -8,8 +8,8 @@ import pytest
 from surrogate import Study
 from surrogate.conformance import check_solver
 from surrogate.errors import SolverError, StudyError
-from surrogate.runs.identity import Recipe, keys
-from surrogate.runs.identity import calls as calls_of
+from surrogate.runs.identity import SolverSpec, keys
+from surrogate.runs.identity import run_inputs as calls_of
 from surrogate_solvers.leg_bandage.bandage.products import BANDAGES, CURVED, bandage
 from surrogate_solvers.leg_bandage.geometry.basis import fit_basis
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
@@ -162,8 +162,8 @@ def test_a_cohort_of_ones_own(tmp_path):
 
 
 def _key(inputs=None, **options):
-    recipe = Recipe("leg_bandage", LegBandage, options)
-    return keys(recipe, calls_of(recipe, {"mu_skin": [0.2]}, inputs))[0]
+    spec = SolverSpec("leg_bandage", LegBandage, options)
+    return keys(spec, calls_of(spec, {"mu_skin": [0.2]}, inputs))[0]
 
 
 def test_identity_of_runs(tmp_path):

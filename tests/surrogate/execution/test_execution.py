@@ -17,12 +17,12 @@ from misbehaving import WAYS, Misbehaving, Noise, Threads, Unbuildable
 
 from surrogate.errors import PluginError, ResultsError, StudyError, SurrogateError
 from surrogate.execution import Progress, cores, execute
-from surrogate.runs.identity import Recipe
+from surrogate.runs.identity import SolverSpec
 from surrogate.runs.journal import Journal, read
 
 
-def recipe(**options):
-    return Recipe("misbehaving", Misbehaving, options)
+def spec(**options):
+    return SolverSpec("misbehaving", Misbehaving, options)
 
 
 def by_x(folder):
@@ -59,7 +59,7 @@ def test_each_mishap_costs_its_own_run_and_says_what_happened(tmp_path, capfd):
     ways = [way for bad in SENTENCES for way in ["well", bad, "well", "well"]]
     x = np.arange(len(ways), dtype=float)
     tally = execute(
-        recipe(), {"x": x, "way": np.array(ways)}, journal=tmp_path, workers=2, timeout=1.5
+        spec(), {"x": x, "way": np.array(ways)}, journal=tmp_path, workers=2, timeout=1.5
     )
     assert (tally.done, tally.failed) == (len(ways), len(SENTENCES))
     contents, records = read(tmp_path), by_x(tmp_path)
@@ -79,7 +79,7 @@ def test_each_mishap_costs_its_own_run_and_says_what_happened(tmp_path, capfd):
 
 def test_runs_only_what_the_journal_lacks(tmp_path):
     log = tmp_path / "diary"
-    one = recipe(diary=str(log))
+    one = spec(diary=str(log))
     execute(one, {"x": [1.0, 2.0, 1.0]}, journal=tmp_path / "j", workers=1)
     assert sorted(diary(log)) == [1.0, 2.0]
     seen = []
@@ -95,13 +95,13 @@ def test_runs_only_what_the_journal_lacks(tmp_path):
 
 def test_constants_and_nominal_values_are_part_of_a_run(tmp_path):
     """Freezing a parameter at a value keeps its runs; another value, option or version does not."""
-    one, home = recipe(), {"journal": tmp_path, "workers": 1}
+    one, home = spec(), {"journal": tmp_path, "workers": 1}
     assert execute(one, {"x": [1.0, 2.0], "offset": [0.0, 5.0]}, **home).reused == 0
     assert execute(one, {"x": [1.0]}, **home).reused == 1
     assert execute(one, {"x": [2.0]}, constants={"offset": 5}, **home).reused == 1
     assert execute(one, {"x": [2.0]}, **home).reused == 0
-    assert execute(recipe(pause=1e-3), {"x": [2.0]}, **home).reused == 0
-    assert execute(Recipe("other", Misbehaving), {"x": [2.0]}, **home).reused == 0
+    assert execute(spec(pause=1e-3), {"x": [2.0]}, **home).reused == 0
+    assert execute(SolverSpec("other", Misbehaving), {"x": [2.0]}, **home).reused == 0
     assert execute(one, {"x": [np.nextafter(2.0, 3.0)]}, **home).reused == 0
     assert execute(one, {"x": [-0.0]}, **home).reused == 0
     assert execute(one, {"x": [0.0]}, **home).reused == 1
@@ -109,9 +109,9 @@ def test_constants_and_nominal_values_are_part_of_a_run(tmp_path):
 
 def test_other_studies_journals_are_used_again(tmp_path):
     """A renamed study finds its runs, arrays included, and keeps them in its own journal."""
-    execute(recipe(), {"x": [1.0, 2.0]}, journal=tmp_path / "old", workers=1)
+    execute(spec(), {"x": [1.0, 2.0]}, journal=tmp_path / "old", workers=1)
     tally = execute(
-        recipe(),
+        spec(),
         {"x": [2.0, 3.0]},
         journal=tmp_path / "new",
         workers=1,
@@ -124,7 +124,7 @@ def test_other_studies_journals_are_used_again(tmp_path):
 
 def test_an_output_that_was_not_kept_is_computed_and_the_old_one_stays(tmp_path):
     for outputs, reused in ((["square"], 0), (["ramp"], 0), (["square"], 1), (None, 1)):
-        tally = execute(recipe(), {"x": [3.0]}, journal=tmp_path, outputs=outputs, workers=1)
+        tally = execute(spec(), {"x": [3.0]}, journal=tmp_path, outputs=outputs, workers=1)
         assert tally.reused == reused
 
 
@@ -132,7 +132,7 @@ def test_retries_until_it_works(tmp_path):
     """A crash, then an exception, then an answer: three attempts, one good run."""
     log = tmp_path / "diary"
     execute(
-        recipe(diary=str(log)),
+        spec(diary=str(log)),
         {"x": [1.0], "way": ["flaky"]},
         journal=tmp_path / "j",
         workers=1,
@@ -148,7 +148,7 @@ def test_does_not_ask_again_what_a_deterministic_solver_answered(tmp_path):
     for deterministic, attempts in ((True, [1, 1, 3]), (False, [3, 3, 3])):
         folder = tmp_path / str(deterministic)
         execute(
-            recipe(deterministic=deterministic),
+            spec(deterministic=deterministic),
             {"x": [1.0, 2.0, 3.0], "way": ["refuse", "nan", "raise"]},
             journal=folder,
             workers=1,
@@ -159,16 +159,16 @@ def test_does_not_ask_again_what_a_deterministic_solver_answered(tmp_path):
 
 def test_failed_runs_are_done_again_only_when_asked(tmp_path):
     columns, home = {"x": [1.0, 2.0, 3.0], "way": ["raise", "hang", "well"]}, {"journal": tmp_path}
-    assert execute(recipe(), columns, timeout=0.6, **home).failed == 2
-    assert execute(recipe(), columns, timeout=0.6, **home).reused == 3
-    assert execute(recipe(), columns, timeout=0.6, rerun=["failed"], **home).reused == 2
-    assert execute(recipe(), columns, timeout=0.8, **home).reused == 2
-    assert execute(recipe(), columns, timeout=0.6, rerun=["timed_out"], **home).reused == 2
+    assert execute(spec(), columns, timeout=0.6, **home).failed == 2
+    assert execute(spec(), columns, timeout=0.6, **home).reused == 3
+    assert execute(spec(), columns, timeout=0.6, rerun=["failed"], **home).reused == 2
+    assert execute(spec(), columns, timeout=0.8, **home).reused == 2
+    assert execute(spec(), columns, timeout=0.6, rerun=["timed_out"], **home).reused == 2
 
 
 def test_a_stochastic_solver_repeats_equal_points(tmp_path):
     """Each repetition is a run of its own, and is found again."""
-    noise = Recipe("noise", Noise)
+    noise = SolverSpec("noise", Noise)
     execute(noise, {"x": [1.0, 1.0, 2.0]}, journal=tmp_path, workers=2)
     drawn = sorted(r.outputs["y"] for r in read(tmp_path).records.values())
     assert len(set(drawn)) == 3
@@ -182,7 +182,7 @@ def test_the_number_of_workers_changes_nothing(tmp_path, workers):
     found = []
     for count in (1, workers):
         folder = tmp_path / str(count)
-        execute(recipe(), columns, journal=folder, workers=count)
+        execute(spec(), columns, journal=folder, workers=count)
         contents = read(folder)
         found.append(
             {
@@ -202,7 +202,7 @@ def test_the_number_of_workers_changes_nothing(tmp_path, workers):
 def test_a_hung_run_takes_its_programs_along(tmp_path):
     """A program that the solver waits for ends with the worker that is stopped."""
     execute(
-        recipe(diary=str(tmp_path / "pid")),
+        spec(diary=str(tmp_path / "pid")),
         {"x": [1.0], "way": ["child"]},
         workers=1,
         journal=tmp_path / "j",
@@ -217,7 +217,7 @@ def test_threads_of_numerical_libraries_are_limited(tmp_path, monkeypatch):
     for threads, stated in ((1, "64"), (2, "64"), (2, "1")):
         monkeypatch.setenv("OMP_NUM_THREADS", stated)
         execute(
-            Recipe(f"threads {threads} {stated}", Threads),
+            SolverSpec(f"threads {threads} {stated}", Threads),
             {"x": [1.0]},
             workers=1,
             threads=threads,
@@ -239,13 +239,13 @@ def test_threads_of_numerical_libraries_are_limited(tmp_path, monkeypatch):
     ],
 )
 def test_a_solver_that_workers_cannot_build_is_one_sentence(tmp_path, by, sentence):
-    broken = Recipe("broken", Unbuildable, {"home": os.getpid(), "by": by})
+    broken = SolverSpec("broken", Unbuildable, {"home": os.getpid(), "by": by})
     with pytest.raises(PluginError, match=sentence):
         execute(broken, {"x": [1.0, 2.0]}, journal=tmp_path, workers=2)
 
 
 def test_a_solver_that_cannot_be_imported_is_one_sentence(tmp_path):
-    local = Recipe("local", lambda: Misbehaving())
+    local = SolverSpec("local", lambda: Misbehaving())
     with pytest.raises(StudyError, match="executor=ThreadPoolExecutor"):
         execute(local, {"x": [1.0]}, journal=tmp_path)
     with ThreadPoolExecutor(2) as threads:
@@ -255,7 +255,7 @@ def test_a_solver_that_cannot_be_imported_is_one_sentence(tmp_path):
 def test_wrong_arguments_are_reported_together(tmp_path):
     with pytest.raises(StudyError) as caught:
         execute(
-            recipe(),
+            spec(),
             {"x": [1.0]},
             journal=tmp_path,
             workers=0,
@@ -271,7 +271,7 @@ def test_wrong_arguments_are_reported_together(tmp_path):
         ({"x": [1.0]}, {"way": "wel"}, "did you mean 'well'"),
         ({}, {}, "needs a value for 'x'"),
     ]:
-        solver = Recipe(
+        solver = SolverSpec(
             "misbehaving",
             Misbehaving if columns else Unbuildable,
             {} if columns else {"home": os.getpid()},
@@ -279,7 +279,7 @@ def test_wrong_arguments_are_reported_together(tmp_path):
         with pytest.raises(StudyError, match=sentence):
             execute(solver, columns, constants=constants, journal=tmp_path)
     with pytest.raises(StudyError, match="output 'sqare' is unknown; did you mean 'square'"):
-        execute(recipe(), {"x": [1.0]}, outputs=["sqare"], journal=tmp_path)
+        execute(spec(), {"x": [1.0]}, outputs=["sqare"], journal=tmp_path)
 
 
 def test_a_full_disk_stops_with_a_sentence_and_no_worker_left(tmp_path, monkeypatch):
@@ -294,7 +294,7 @@ def test_a_full_disk_stops_with_a_sentence_and_no_worker_left(tmp_path, monkeypa
     log = tmp_path / "diary"
     with pytest.raises(ResultsError, match="No space left"):
         execute(
-            recipe(diary=str(log), pause=0.02),
+            spec(diary=str(log), pause=0.02),
             {"x": np.arange(50.0)},
             workers=2,
             journal=tmp_path / "j",
@@ -309,10 +309,10 @@ def test_a_full_disk_stops_with_a_sentence_and_no_worker_left(tmp_path, monkeypa
 @pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
 def test_any_executor_gives_the_same_runs(tmp_path, kind):
     columns = {"x": np.arange(20.0), "way": ["well", "raise", "nan", "refuse"] * 5}
-    execute(recipe(), columns, journal=tmp_path / "local", workers=1)
+    execute(spec(), columns, journal=tmp_path / "local", workers=1)
     options = {} if kind is ThreadPoolExecutor else {"mp_context": spawning()}
     with kind(2, **options) as executor:
-        execute(recipe(), columns, journal=tmp_path / "theirs", executor=executor, workers=2)
+        execute(spec(), columns, journal=tmp_path / "theirs", executor=executor, workers=2)
     local, theirs = by_x(tmp_path / "local"), by_x(tmp_path / "theirs")
     assert len(local) == 20
     for x, record in local.items():
@@ -328,7 +328,7 @@ def spawning():
 def test_a_run_over_time_in_an_executor_is_given_up(tmp_path):
     with ThreadPoolExecutor(2) as executor:
         tally = execute(
-            recipe(pause=0.05),
+            spec(pause=0.05),
             {"x": [1.0, 2.0, 3.0]},
             executor=executor,
             workers=2,
@@ -337,7 +337,7 @@ def test_a_run_over_time_in_an_executor_is_given_up(tmp_path):
         )
         assert tally.failed == 0
         execute(
-            recipe(pause=1.5),
+            spec(pause=1.5),
             {"x": [4.0]},
             executor=executor,
             workers=2,
@@ -352,7 +352,7 @@ def test_an_executor_full_of_hung_runs_is_a_sentence(tmp_path):
     with ThreadPoolExecutor(1) as executor:
         with pytest.raises(SurrogateError, match="all 1 places of the executor are taken"):
             execute(
-                recipe(pause=1.5),
+                spec(pause=1.5),
                 {"x": [1.0, 2.0, 3.0]},
                 executor=executor,
                 workers=2,
@@ -366,7 +366,7 @@ def test_an_executor_that_breaks_is_a_sentence_and_keeps_the_rest(tmp_path):
     columns = {"x": [1.0, 2.0, 3.0, 4.0], "way": ["well", "well", "exit", "well"]}
     with ProcessPoolExecutor(1, mp_context=spawning()) as executor:
         with pytest.raises(SurrogateError, match="the executor stopped working"):
-            execute(recipe(), columns, executor=executor, workers=1, journal=tmp_path)
+            execute(spec(), columns, executor=executor, workers=1, journal=tmp_path)
     assert [record.status for record in by_x(tmp_path).values()] == ["ok", "ok"]
 
 
@@ -378,12 +378,12 @@ PROGRAM = textwrap.dedent("""
     import numpy as np
     from misbehaving import Misbehaving
     from surrogate.execution import execute
-    from surrogate.runs.identity import Recipe
+    from surrogate.runs.identity import SolverSpec
 
     # No `if __name__ == "__main__"`: workers do not run this file again.
-    recipe = Recipe("misbehaving", Misbehaving, {{"diary": {diary!r}, "pause": 0.05}})
+    spec = SolverSpec("misbehaving", Misbehaving, {{"diary": {diary!r}, "pause": 0.05}})
     try:
-        execute(recipe, {{"x": np.arange(60.0)}}, journal={journal!r}, workers=2)
+        execute(spec, {{"x": np.arange(60.0)}}, journal={journal!r}, workers=2)
     except KeyboardInterrupt as stopped:
         print(stopped)
         sys.exit(130)
@@ -434,7 +434,7 @@ def resume(log, folder):
     before = diary(log)
     assert len(before) - len(kept) <= 2  # at most the two that were under way are lost
     tally = execute(
-        Recipe("misbehaving", Misbehaving, {"diary": str(log), "pause": 0.05}),
+        SolverSpec("misbehaving", Misbehaving, {"diary": str(log), "pause": 0.05}),
         {"x": np.arange(60.0)},
         journal=folder,
         workers=2,

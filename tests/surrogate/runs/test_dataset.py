@@ -14,8 +14,8 @@ from misbehaving import WAYS, Misbehaving, Noise
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution import execute
 from surrogate.runs import dataset as rundata
-from surrogate.runs.identity import Recipe, calls, keys
-from surrogate.runs.journal import Contents, Record, read
+from surrogate.runs.identity import SolverSpec, keys, run_inputs
+from surrogate.runs.journal import JournalContents, Record, read
 from surrogate.solver import Output
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
@@ -26,7 +26,7 @@ SPACE = Space(
         Parameter("way", levels=("well", "raise", "hang")),
     )
 )
-RECIPE = Recipe("misbehaving", Misbehaving)
+SPEC = SolverSpec("misbehaving", Misbehaving)
 TRAIN = np.array([[-1.0, -1.0], [0.5, -1.0], [1.0, 0.0], [0.25, -1.0]])
 TEST = np.array([[0.5, -1.0], [0.0, 1.0], [0.75, -1.0]])
 
@@ -35,8 +35,8 @@ TEST = np.array([[0.5, -1.0], [0.0, 1.0], [0.75, -1.0]])
 def folder(tmp_path_factory):
     """Journal of all points but the last one of the test design."""
     folder = tmp_path_factory.mktemp("journal")
-    columns = rundata.columns(SPACE, {"train": TRAIN, "test": TEST[:2]})
-    execute(RECIPE, columns, constants={"offset": 3}, journal=folder, workers=2, timeout=1.0)
+    columns = rundata.physical_columns(SPACE, {"train": TRAIN, "test": TEST[:2]})
+    execute(SPEC, columns, constants={"offset": 3}, journal=folder, workers=2, timeout=1.0)
     return folder
 
 
@@ -45,7 +45,7 @@ def runs(folder):
     return rundata.assemble(
         SPACE,
         {"train": TRAIN, "test": TEST},
-        RECIPE,
+        SPEC,
         read(folder),
         constants={"offset": 3},
         study="study: é\n",
@@ -128,15 +128,15 @@ def test_a_message_of_any_bytes_is_stored(tmp_path):
     """What a crashing program printed may hold NUL and broken UTF-8, which netCDF does not take."""
     space = Space((Parameter("x", uniform(0.0, 4.0)),))
     point = {"train": np.zeros((1, 1))}
-    (key,) = keys(RECIPE, calls(RECIPE, rundata.columns(space, point)))
+    (key,) = keys(SPEC, run_inputs(SPEC, rundata.physical_columns(space, point)))
     broken = Record(key, {}, "failed", "core\0dumped \udcff é", 0.0, 1, 0.0)
-    found = rundata.assemble(space, point, RECIPE, Contents({key: broken}, tmp_path))
+    found = rundata.assemble(space, point, SPEC, JournalContents({key: broken}, tmp_path))
     rundata.save(found, tmp_path / "runs.nc")
     assert rundata.load(tmp_path / "runs.nc")["message"].values.tolist() == ["core?dumped ? é"]
 
 
 def test_a_dataset_in_which_nothing_ran_comes_back(tmp_path):
-    runs = rundata.assemble(SPACE, {"train": TRAIN}, RECIPE, read(tmp_path))
+    runs = rundata.assemble(SPACE, {"train": TRAIN}, SPEC, read(tmp_path))
     rundata.save(runs, tmp_path / "runs.nc")
     assert rundata.load(tmp_path / "runs.nc").identical(runs)
     assert rundata.counts(runs) == {"ok": 0, "failed": 0, "timed_out": 0, "missing": 4}
@@ -150,10 +150,10 @@ def test_units_are_words_and_never_change_numbers(tmp_path, unit):
     class Timed(Misbehaving):
         outputs = {"square": Output(unit=unit)}
 
-    execute(RECIPE, {"x": [2.0]}, journal=tmp_path / "j", workers=1)
+    execute(SPEC, {"x": [2.0]}, journal=tmp_path / "j", workers=1)
     space = Space((Parameter("x", distribution("normal", mean=2, std=1), unit=unit),))
     runs = rundata.assemble(
-        space, {"train": np.zeros((1, 1))}, Recipe("misbehaving", Timed), read(tmp_path / "j")
+        space, {"train": np.zeros((1, 1))}, SolverSpec("misbehaving", Timed), read(tmp_path / "j")
     )
     rundata.save(runs, tmp_path / "runs.nc")
     back = rundata.load(tmp_path / "runs.nc")
@@ -174,7 +174,7 @@ def test_levels_keep_their_names(tmp_path):
         outputs = {"square": Output(dims=("place",), coordinates={"place": np.array(levels)})}
 
     coded = np.array([[0.0, -1.0], [0.0, 0.0], [0.0, 1.0]])
-    runs = rundata.assemble(space, {"train": coded}, Recipe("kinds", Kinds), read(tmp_path))
+    runs = rundata.assemble(space, {"train": coded}, SolverSpec("kinds", Kinds), read(tmp_path))
     rundata.save(runs, tmp_path / "runs.nc")
     back = rundata.load(tmp_path / "runs.nc")
     assert back["kind"].values.tolist() == back["place"].values.tolist() == list(levels)
@@ -259,9 +259,9 @@ def test_selects_and_counts(runs):
 
 
 def test_repetitions_of_a_stochastic_solver_are_rows_of_their_own(tmp_path):
-    space, noise = Space((Parameter("x", uniform(0.0, 1.0)),)), Recipe("noise", Noise)
+    space, noise = Space((Parameter("x", uniform(0.0, 1.0)),)), SolverSpec("noise", Noise)
     designs = {"train": np.zeros((3, 1)), "test": np.zeros((2, 1))}
-    execute(noise, rundata.columns(space, designs), journal=tmp_path, workers=2)
+    execute(noise, rundata.physical_columns(space, designs), journal=tmp_path, workers=2)
     runs = rundata.assemble(space, designs, noise, read(tmp_path))
     assert len(set(runs["y"].values.tolist())) == 5
     assert runs.attrs["deterministic"] == "false"
@@ -301,7 +301,7 @@ def test_names_that_stand_for_two_things_are_mistakes():
         outputs = {"message": Output()}
 
     with pytest.raises(StudyError, match="output 'message': the name is reserved"):
-        rundata.assemble(SPACE, {"train": TRAIN}, Recipe("clashing", Clashing), read("none"))
+        rundata.assemble(SPACE, {"train": TRAIN}, SolverSpec("clashing", Clashing), read("none"))
 
 
 def test_the_reserved_names_are_those_of_the_dataset(runs):

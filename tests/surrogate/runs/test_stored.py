@@ -208,7 +208,7 @@ def test_stored_runs_can_be_asked_again(place):
     for row in np.flatnonzero(runs["status"] == "ok")[:3]:
         call, answer = rundata.call_and_answer(runs, row)
         assert call["offset"] == 3.0
-        again = study.recipe.solver(**call)
+        again = study.spec.solver(**call)
         assert again["square"] == answer["square"]
         np.testing.assert_allclose(again["ramp"], answer["ramp"], rtol=1e-6)
 

@@ -65,12 +65,8 @@ def test_cases_are_read_set_aside_and_predicted(tmp_path):
     np.testing.assert_allclose(said.sel(model="quadratic").isel(case=[0, 3]), one.predict(coded))
     low, high = one.interval(coded)
     np.testing.assert_allclose(table["low"].sel(model="quadratic", output="flow")[[0, 3]], low)
-    exact = study.recipe.solver(
-        **{
-            name: i.nominal
-            for name, i in study.recipe.solver.inputs.items()
-            if i.nominal is not None
-        }
+    exact = study.spec.solver(
+        **{name: i.nominal for name, i in study.spec.solver.inputs.items() if i.nominal is not None}
         | {"rw": 0.1, "Hu": 1000, "L": 1200}
     )
     assert said.sel(model="again")[0] == pytest.approx(exact["flow"])
