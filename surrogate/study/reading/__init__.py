@@ -1,10 +1,10 @@
 """From the words of a study to the objects they name; every mistake at once."""
 
+from surrogate.study.reading.designs import designs_of
 from surrogate.study.reading.methods import (
     SensitivityMethod,
     Surrogate,
     check_screening,
-    designs_of,
     sensitivity_of,
     surrogates_of,
 )
