@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surrogate.designs.design import Design
-from surrogate.errors import PluginError, StudyError, nearest
+from surrogate.errors import StudyError, nearest
 from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
 from surrogate.space.space import Space
