@@ -15,8 +15,9 @@ from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 
 from surrogate.errors import SurrogateError
+from surrogate.execution.answers import Outcome
 from surrogate.execution.pool import TICK, Event, Task
-from surrogate.execution.workers import BuiltSolver, Outcome
+from surrogate.execution.workers import BuiltSolver
 from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Output
 

@@ -20,8 +20,9 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from surrogate.errors import PluginError
+from surrogate.execution.answers import Outcome
 from surrogate.execution.spawning import parcel, start
-from surrogate.execution.workers import BATCH_SECONDS, Outcome, work
+from surrogate.execution.workers import BATCH_SECONDS, work
 from surrogate.runs.identity import RunInputs, SolverSpec
 from surrogate.solver import Output
 

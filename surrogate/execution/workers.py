@@ -1,8 +1,4 @@
-"""What happens inside a worker process: build the solver once, then answer calls.
-
-Also the one place where a solver is called and its answer examined, so that a run
-means the same in a local worker, in somebody's executor and in the tests.
-"""
+"""What happens inside a worker process: build the solver once, then answer calls."""
 
 from __future__ import annotations
 
@@ -12,16 +8,13 @@ import signal
 import sys
 import threading
 import time
-import traceback
 from collections.abc import Mapping
 from multiprocessing import parent_process
 from multiprocessing.connection import Connection, wait
-from typing import Any, NamedTuple
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
-from surrogate.errors import SolverError
+from surrogate.execution.answers import Outcome, describe, evaluate
 from surrogate.solver import Output, Solver
 
 #: Seconds of work after which a worker gives the rest of a batch back.
@@ -38,97 +31,6 @@ THREAD_VARIABLES = (
     "VECLIB_MAXIMUM_THREADS",
     "NUMEXPR_NUM_THREADS",
 )
-
-
-class Outcome(NamedTuple):
-    """How one attempt of a run ended.
-
-    `answered` is True when the solver itself decided (a result, or a `SolverError`, or a
-    result that cannot be used): a deterministic solver would only decide the same again.
-    """
-
-    status: str
-    message: str
-    seconds: float
-    outputs: Mapping[str, float] = {}
-    fields: Mapping[str, np.ndarray] = {}
-    answered: bool = True
-
-
-def evaluate(solver: Solver, call: Mapping[str, Any], wanted: Mapping[str, Output]) -> Outcome:
-    """RunInputs the solver once; whatever it does becomes an `Outcome`."""
-    start = time.perf_counter()
-    try:
-        result = solver(**call)
-    except SolverError as error:
-        return _failed(str(error) or "the solver has no answer here and does not say why", start)
-    except (Exception, SystemExit) as error:
-        return _failed(describe(error), start, answered=False)
-    seconds = time.perf_counter() - start
-    try:
-        values = {name: check(name, output, result) for name, output in wanted.items()}
-    except ValueError as error:
-        return _failed(str(error), start)
-    scalars = {name: float(value) for name, value in values.items() if not wanted[name].dims}
-    fields = {name: value for name, value in values.items() if wanted[name].dims}
-    return Outcome("ok", "", seconds, scalars, fields)
-
-
-def _failed(message: str, start: float, answered: bool = True) -> Outcome:
-    return Outcome("failed", message, time.perf_counter() - start, answered=answered)
-
-
-def check(name: str, output: Output, result: Any) -> np.ndarray:
-    """Output `name` of a solver's result as doubles of the declared shape.
-
-    Raises `ValueError` with a sentence when it is missing, no real number, of another
-    shape, or not finite where the solver declares no gaps.
-    """
-    if not isinstance(result, Mapping):
-        raise ValueError(
-            f"the solver returned {type(result).__name__}; it must return a mapping "
-            "of output names to values"
-        )
-    if name not in result:
-        raise ValueError(
-            f"the solver did not return '{name}'; it returned "
-            f"{', '.join(map(str, result)) or 'nothing'}"
-        )
-    try:
-        value = np.asarray(result[name])
-        if value.dtype.kind == "c":
-            raise TypeError
-        value = value.astype(float)
-    except (TypeError, ValueError):
-        raise ValueError(
-            f"output '{name}' is {_short(result[name])}; it must be real numbers"
-        ) from None
-    if value.shape != output.shape:
-        raise ValueError(
-            f"output '{name}' has shape {value.shape}; the solver declares {output.shape}"
-        )
-    bad = np.count_nonzero(np.isinf(value) if output.gaps else ~np.isfinite(value))
-    if bad and not output.dims:
-        raise ValueError(f"output '{name}' is {value}; it must be finite")
-    if bad:
-        raise ValueError(f"output '{name}' is not finite in {bad} of {value.size} places")
-    return value
-
-
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def describe(error: BaseException) -> str:
-    """Type, message and the line where it was raised, in one sentence."""
-    name = type(error).__name__
-    text = " ".join(str(error).split())
-    frames = traceback.extract_tb(error.__traceback__)
-    said = f"{name}: {text}" if text else name
-    if not frames:
-        return said
-    return f"{said} ({os.path.basename(frames[-1].filename)}, line {frames[-1].lineno})"
 
 
 def work(

@@ -59,7 +59,7 @@ class StoredRuns:
         deterministic = self.runs.attrs["deterministic"] != "false"
         found: dict[str, int] = {}
         status = self.runs["status"].values
-        for row, key in enumerate(keys_in(self.context, self.calls, deterministic)):
+        for row, key in enumerate(keys_in(self.context, self.run_inputs, deterministic)):
             if status[row] != "missing" and (
                 key not in found or (status[row] == "ok" != status[found[key]])
             ):
@@ -79,7 +79,7 @@ class StoredRuns:
                 outputs[name] = float(self.runs[name].values[row])
         return Record(
             key,
-            self.calls[row],
+            self.run_inputs[row],
             str(status),
             str(message),
             float(seconds),
@@ -160,7 +160,7 @@ def _rows_of(file: StoredRuns, spec: SolverSpec, calls: Mapping[str, RunInputs])
     if not left or not spec.deterministic or not file.rows:
         return rows
     candidates = np.array(list(file.rows.values()))
-    numbers, words = _split([file.calls[row] for row in candidates], spec)
+    numbers, words = _split([file.run_inputs[row] for row in candidates], spec)
     tolerance = SAME * np.abs(numbers).max(axis=0, initial=0.0)
     for key in left:
         number, word = _split([calls[key]], spec)
@@ -229,7 +229,7 @@ def first_difference(
         if then.get(name) != now.get(name):
             return f"other option {name}: {then.get(name, 'none')} -> {now.get(name, 'none')}"
     for name, one in spec.solver.inputs.items():
-        before, after = ({call.get(name) for call in some} for some in (file.calls, calls))
+        before, after = ({call.get(name) for call in some} for some in (file.run_inputs, calls))
         if not _meet(before, after):
             unit = f" {one.unit}".rstrip()
             return f"other {name}: {_said(before)} -> {_said(after)}{unit}"

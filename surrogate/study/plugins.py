@@ -22,7 +22,7 @@ from pydantic import ConfigDict, PydanticSchemaGenerationError, ValidationError,
 from typing_extensions import get_type_hints
 
 from surrogate.errors import PluginError, SurrogateError, nearest
-from surrogate.execution.workers import describe
+from surrogate.execution.answers import describe
 
 SOLVERS = "surrogate.solvers"
 DESIGNS = "surrogate.designs"
