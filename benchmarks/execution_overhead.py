@@ -22,7 +22,7 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
-from surrogate.execution import execute
+from surrogate.execution.execute import execute
 from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Input, Output
 

@@ -7,7 +7,7 @@ import sys
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-from surrogate.execution import Progress as Tally
+from surrogate.execution.execute import Progress as Tally
 
 
 class RunsBar:

@@ -25,7 +25,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.errors import FitError, ResultsError, StudyError, SurrogateError
-from surrogate.execution import Progress
+from surrogate.execution.execute import Progress
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
 from surrogate.runs.files import write_text

@@ -18,7 +18,7 @@ from surrogate.cli.progress import duration
 from surrogate.cli.results import Outcome, figures_of
 from surrogate.cli.results import store as store_runs
 from surrogate.cli.results import validate as validate_with
-from surrogate.execution import interrupted
+from surrogate.execution.fresh import interrupted
 from surrogate.runs import dataset as rundata
 from surrogate.study import plugins, prediction
 from surrogate.study.study import Study

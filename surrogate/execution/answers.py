@@ -16,12 +16,10 @@ from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.errors import SolverError, StudyError
 from surrogate.solver import Output, Solver
-from surrogate.space.units import conversion
 
 #: Characters of a solver's own sentence that are kept.
 LONGEST_MESSAGE = 2000
@@ -118,7 +116,7 @@ def _entry(name: str, result: Any) -> Any:
 
 def _numbers(value: Any, output: Output, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """`value` as doubles of `shape` (the output's, or its last sizes inside a list)."""
-    if isinstance(value, xr.DataArray):
+    if hasattr(type(value), "dims") and hasattr(type(value), "attrs"):  # xarray's DataArray
         return _labelled(value, output, shape)
     value = _magnitude(value, output.unit)
     if isinstance(value, list | tuple):
@@ -150,7 +148,7 @@ def _listed(value: Sequence[Any], output: Output, shape: tuple[int, ...]) -> NDA
     return np.array([_numbers(one, output, shape[1:]) for one in value]).reshape(shape)
 
 
-def _labelled(value: xr.DataArray, output: Output, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def _labelled(value: Any, output: Output, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """A labelled array: its dimensions by name, in the unit that it states."""
     if set(value.dims) == set(output.dims):
         value = value.transpose(*output.dims)
@@ -158,6 +156,8 @@ def _labelled(value: xr.DataArray, output: Output, shape: tuple[int, ...]) -> ND
     stated = str(value.attrs.get("units", output.unit))
     if stated == output.unit:
         return numbers
+    from surrogate.space.units import conversion  # brings pint, which few workers need
+
     try:
         change = conversion(stated, output.unit)
     except StudyError as error:

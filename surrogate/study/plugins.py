@@ -8,13 +8,11 @@ no edit here.
 
 from __future__ import annotations
 
-import importlib
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib.metadata import EntryPoint, entry_points
-from inspect import Parameter, getdoc, signature
+from inspect import Parameter, getdoc
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +21,7 @@ from typing_extensions import get_type_hints
 
 from surrogate.errors import PluginError, SurrogateError, nearest
 from surrogate.execution.answers import describe
+from surrogate.study.solver_factory import imported, is_built, parameters_of
 
 SOLVERS = "surrogate.solvers"
 DESIGNS = "surrogate.designs"
@@ -44,44 +43,29 @@ def available(group: str) -> dict[str, EntryPoint]:
     return {point.name: point for point in sorted(entry_points(group=group))}
 
 
+def path_of(group: str, name: str) -> str:
+    """`module:object` of the plug-in called `name`; raises `PluginError` when it is unknown."""
+    if ":" in name:
+        return name
+    installed = available(group)
+    if name in installed:
+        return f"{installed[name].module}:{installed[name].attr}"
+    raise PluginError(
+        f"{NOUNS[group]} '{name}' is unknown; {nearest(name, installed)}; or write module:object"
+    )
+
+
 def load(group: str, name: str, folder: Path | None = None) -> Any:
     """The object called `name`: an entry point of `group`, or `module:object`.
 
     folder: where a module of the study's own may stand. Raises `PluginError`
     when the name is unknown or the module does not load.
     """
-    installed = available(group)
-    if name in installed:
-        return _load(name, installed[name].load)
-    if ":" in name:
-        _make_importable(folder)
-        return _load(name, lambda: _resolve(name))
-    raise PluginError(
-        f"{NOUNS[group]} '{name}' is unknown; {nearest(name, installed)}; or write module:object"
-    )
-
-
-def _resolve(path: str) -> Any:
-    module, _, attribute = path.partition(":")
-    found = importlib.import_module(module)
-    for part in attribute.split("."):
-        found = getattr(found, part)
-    return found
-
-
-def _load(name: str, loader) -> Any:
-    """RunInputs `loader`; whatever goes wrong in a stranger's module becomes one sentence."""
+    path = path_of(group, name)
     try:
-        return loader()
-    except Exception as error:
+        return imported(path, folder)
+    except Exception as error:  # a stranger's module raises whatever it likes
         raise PluginError(f"'{name}' does not load: {type(error).__name__}: {error}") from error
-
-
-def _make_importable(folder: Path | None) -> None:
-    """Let modules beside the study, and in the current folder, be imported, as scripts can."""
-    for place in (folder, Path.cwd()):
-        if place is not None and str(place) not in sys.path:
-            sys.path.append(str(place))
 
 
 def call(what: str, function: Callable[..., Any], *given: Any, **options: Any) -> Any:
@@ -94,42 +78,6 @@ def call(what: str, function: Callable[..., Any], *given: Any, **options: Any) -
         raise PluginError(f"{what}: {describe(error)}") from error
 
 
-@dataclass(frozen=True)
-class SolverFactory:
-    """Builds a study's solver in any process: `factory(**options)`.
-
-    name    entry point or `module:object`
-    folder  where the study file lies: for its own modules and files
-    """
-
-    name: str
-    folder: Path | None = None
-
-    def find(self) -> Any:
-        """What the name stands for: a class, a function, or a solver already built."""
-        return load(SOLVERS, self.name, self.folder)
-
-    def __call__(self, **options: Any) -> Any:
-        """The solver; `PluginError`, or the constructor's own error, when it cannot be built."""
-        found = self.find()
-        if _is_built(found):
-            return found
-        extra = {"folder": self.folder} if "folder" in parameters_of(found) else {}
-        return found(**options, **extra)
-
-
-def _is_built(found: Any) -> bool:
-    return hasattr(found, "inputs") and not isinstance(found, type)
-
-
-def parameters_of(function: Any) -> dict[str, Parameter]:
-    """Parameters of a callable by name; empty when it does not tell."""
-    try:
-        return dict(signature(function).parameters)
-    except (TypeError, ValueError):
-        return {}
-
-
 def option_mistakes(
     function: Any, options: Mapping[str, Any], given: tuple[str, ...] = ()
 ) -> list[tuple[str, str]]:
@@ -138,7 +86,7 @@ def option_mistakes(
     given: parameters that the framework fills in itself. Values are checked
     against the annotations where the plug-in has any.
     """
-    if _is_built(function):
+    if is_built(function):
         return [
             (name, f"option '{name}' is not taken: this solver is an object, not a class")
             for name in options

@@ -15,7 +15,8 @@ import xarray as xr
 from surrogate.designs.aliasing import Aliasing, aliasing
 from surrogate.designs.design import Design
 from surrogate.errors import FitError, PluginError, StudyError
-from surrogate.execution import Progress, cores, execute, execute_fresh
+from surrogate.execution.execute import Progress, cores, execute
+from surrogate.execution.fresh import execute_fresh
 from surrogate.fitting import comparison as comparing
 from surrogate.fitting import fit as fitting
 from surrogate.fitting.fit import Fit
@@ -32,8 +33,9 @@ from surrogate.space.space import Space
 from surrogate.study import file as studyfile
 from surrogate.study import reading
 from surrogate.study.file import ExecutionPart, ScreeningPart
-from surrogate.study.plugins import call, parameters_of
+from surrogate.study.plugins import call
 from surrogate.study.reading import Reading, SensitivityMethod, Surrogate
+from surrogate.study.solver_factory import parameters_of
 from surrogate.study.source import Source, read_file, read_text, write_yaml
 from surrogate.validation.cases import Cases, from_runs
 from surrogate.validation.validation import Validation, fixed_inputs, outputs_in

@@ -16,6 +16,7 @@ from surrogate.study import file as studyfile
 from surrogate.study import plugins
 from surrogate.study.file import DesignPart
 from surrogate.study.reading.mistakes import Reading
+from surrogate.study.solver_factory import parameters_of
 
 #: Parameters of design methods that the framework fills in; they are not options.
 GIVEN_TO_DESIGNS = ("space", "coded", "folder")
@@ -82,7 +83,7 @@ def _method(reading: Reading, group: str, part, path: studyfile.Path):
             return None
         if not callable(function):
             raise PluginError(f"'{part.method}' is not a method: it cannot be called")
-        taken = plugins.parameters_of(function)
+        taken = parameters_of(function)
         given = {"folder": reading.folder} if "folder" in taken else {}
         if "seed" in taken:
             given["seed"] = part.options.get("seed", zlib.crc32(path[1].encode()))

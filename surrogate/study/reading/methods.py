@@ -16,6 +16,7 @@ from surrogate.space.space import Space
 from surrogate.study import plugins
 from surrogate.study.file import SurrogatePart
 from surrogate.study.reading.mistakes import Reading
+from surrogate.study.solver_factory import parameters_of
 
 #: Parameters of plug-ins that the framework fills in; they are not options.
 GIVEN_TO_REGRESSORS = ("space",)
@@ -161,7 +162,7 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
 
 def _check_groups(reading: Reading, name: str, function) -> None:
     groups, path = reading.part.sensitivity.groups, ("sensitivity", "groups")
-    if groups and "groups" not in plugins.parameters_of(function):
+    if groups and "groups" not in parameters_of(function):
         reading.wrong(
             f"method {name} knows no groups; use method shapley or sobol, or drop them",
             *path,

@@ -16,8 +16,8 @@ from surrogate.space.space import Parameter, Space
 from surrogate.study import file as studyfile
 from surrogate.study import plugins
 from surrogate.study.file import ParameterPart, SolverPart
-from surrogate.study.plugins import SolverFactory
 from surrogate.study.reading.mistakes import Reading
+from surrogate.study.solver_factory import SolverFactory
 
 #: Parameters of a solver's constructor that the framework fills in; they are not options.
 GIVEN_TO_SOLVERS = ("self", "folder")
@@ -28,12 +28,14 @@ def solver_of(
 ) -> tuple[SolverSpec, Solver | None]:
     """The study's solver, or that of `part`, built once here to learn its inputs and outputs."""
     part = reading.part.solver if part is None else part
-    factory = SolverFactory(part.name, reading.folder)
-    spec = SolverSpec(part.name, factory, part.options)
+    spec = SolverSpec(part.name, SolverFactory(part.name, reading.folder), part.options)
     if reading.is_broken(*path):
         return spec, None
     with reading.noting(*path, "name"):
-        mistakes = plugins.option_mistakes(factory.find(), part.options, GIVEN_TO_SOLVERS)
+        found = plugins.load(plugins.SOLVERS, part.name, reading.folder)
+        path_of_found = plugins.path_of(plugins.SOLVERS, part.name)
+        spec = replace(spec, build=SolverFactory(path_of_found, reading.folder))
+        mistakes = plugins.option_mistakes(found, part.options, GIVEN_TO_SOLVERS)
         reading.options_wrong(mistakes, *path, "options")
         solver = None if mistakes else _built(spec, reading, path)
         if solver is not None:

@@ -16,7 +16,7 @@ import pytest
 from misbehaving import WAYS, Misbehaving, Noise, Threads, Unbuildable
 
 from surrogate.errors import PluginError, ResultsError, StudyError, SurrogateError
-from surrogate.execution import Progress, cores, execute
+from surrogate.execution.execute import Progress, cores, execute
 from surrogate.runs.identity import SolverSpec
 from surrogate.runs.journal import Journal, read
 
@@ -377,7 +377,7 @@ PROGRAM = textwrap.dedent("""
     sys.path.insert(0, {tests!r})
     import numpy as np
     from misbehaving import Misbehaving
-    from surrogate.execution import execute
+    from surrogate.execution.execute import execute
     from surrogate.runs.identity import SolverSpec
 
     # No `if __name__ == "__main__"`: workers do not run this file again.

@@ -12,7 +12,7 @@ import xarray as xr
 from misbehaving import WAYS, Misbehaving, Noise
 
 from surrogate.errors import ResultsError, StudyError
-from surrogate.execution import execute
+from surrogate.execution.execute import execute
 from surrogate.runs import dataset as rundata
 from surrogate.runs.identity import SolverSpec, keys, run_inputs
 from surrogate.runs.journal import JournalContents, Record, read

@@ -11,7 +11,7 @@ from misbehaving import Misbehaving
 
 from surrogate.cli.results import analyse, store
 from surrogate.errors import ResultsError, StudyError
-from surrogate.execution import interrupted
+from surrogate.execution.fresh import interrupted
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored
 from surrogate.runs.journal import read
