@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
 from surrogate.errors import StudyError, nearest
+from surrogate.space import units
 
 from . import process, templates
 from .options import (
-    UNITS,
     Csv,
     InputOptions,
     Options,
@@ -85,9 +85,7 @@ def _input_mistakes(name: str, given: InputOptions) -> Iterable[str]:
 
 
 def _unit_mistakes(where: str, unit: str) -> Iterable[str]:
-    try:
-        UNITS.Unit(unit)
-    except Exception:  # pint's parser raises whatever the text makes it meet
+    if not units.known(unit):
         yield f"{where}.unit: '{unit}' is not a unit; write for instance mm, N/mm, kPa or mmHg"
 
 

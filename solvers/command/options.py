@@ -12,15 +12,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pint
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from surrogate.errors import StudyError, nearest
 from surrogate.solver import Input, Output
+from surrogate.space import units
 
 from . import templates
-
-UNITS = pint.get_application_registry()
 
 
 class _Strict(BaseModel):
@@ -172,9 +170,10 @@ def seconds(timeout: float | str | None) -> float | None:
     if timeout is None:
         return None
     try:
-        value = UNITS.Quantity(timeout).to("s").magnitude if isinstance(timeout, str) else timeout
-    except Exception as error:  # pint's parser raises whatever the text makes it meet
-        raise StudyError(f"timeout: {timeout!r} is not a time; write 30 min or 600 s") from error
+        value = units.seconds(timeout)
+    except StudyError:
+        shown = str(timeout)[:60]
+        raise StudyError(f"timeout: {shown!r} is not a time; write 30 min or 600 s") from None
     if not 0 < value < math.inf:
         raise StudyError(
             f"timeout: {timeout if isinstance(timeout, str) else f'{timeout:g} s'} must be above 0"

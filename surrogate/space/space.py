@@ -17,10 +17,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from surrogate.errors import StudyError, nearest
 from surrogate.space.distributions import Distribution
+
+Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,7 @@ class Parameter:
     unit: str = ""
     description: str = ""
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if (self.distribution is None) == (not self.levels):
             raise StudyError(f"{self.name}: give either a distribution or levels, not both")
         if self.levels and (len(self.levels) < 2 or len(set(self.levels)) < len(self.levels)):
@@ -49,25 +52,32 @@ class Parameter:
     @property
     def bounded(self) -> bool:
         """True when coded -1 and 1 stand for finite values."""
-        return self.categorical or self.distribution.bounded
+        return self.categorical or self.law.bounded
 
     @property
-    def coded_levels(self) -> np.ndarray:
+    def law(self) -> Distribution:
+        """The distribution of a number; `StudyError` for named levels, which have none."""
+        if self.distribution is None:
+            raise StudyError(f"{self.name}: levels have no distribution")
+        return self.distribution
+
+    @property
+    def coded_levels(self) -> Numbers:
         """Coded values of the levels, shape (k,): evenly from -1 to 1."""
         return np.linspace(-1.0, 1.0, len(self.levels))
 
-    def encode(self, physical) -> np.ndarray:
+    def encode(self, physical: ArrayLike) -> Numbers:
         """Coded values of physical ones, same shape; level names for a categorical one."""
         if self.categorical:
             return self._encode_levels(physical)
         x = np.asarray(physical, dtype=float)
         if self.bounded:
-            lower, upper = self.distribution.support
+            lower, upper = self.law.support
             return 2.0 * (x - lower) / (upper - lower) - 1.0
-        below = 2.0 * self.distribution.cdf(x) - 1.0
-        return np.where(below < 0.0, below, 1.0 - 2.0 * self.distribution.sf(x))
+        below = 2.0 * self.law.cdf(x) - 1.0
+        return np.where(below < 0.0, below, 1.0 - 2.0 * self.law.sf(x))
 
-    def _encode_levels(self, physical) -> np.ndarray:
+    def _encode_levels(self, physical: ArrayLike) -> Numbers:
         names = np.asarray(physical).astype(str)
         unknown = sorted(set(names.ravel()) - set(self.levels))
         if unknown:
@@ -75,18 +85,20 @@ class Parameter:
                 f"{self.name}: level '{unknown[0]}' is unknown; {nearest(unknown[0], self.levels)}"
             )
         order = {level: code for level, code in zip(self.levels, self.coded_levels, strict=True)}
-        return np.vectorize(order.__getitem__, otypes=[float])(names)
+        coded: Numbers = np.vectorize(order.__getitem__, otypes=[float])(names)
+        return coded
 
-    def decode(self, coded) -> np.ndarray:
+    def decode(self, coded: ArrayLike) -> NDArray[Any]:
         """Physical values of coded ones, same shape; the nearest level when categorical."""
         t = np.asarray(coded, dtype=float)
         if self.categorical:
             last = len(self.levels) - 1
             index = np.clip(np.rint((t + 1.0) / 2.0 * last), 0, last).astype(int)
-            return np.asarray(self.levels)[index]
+            names: NDArray[Any] = np.asarray(self.levels)[index]
+            return names
         if self.bounded:
             # Written about the nearer end so that -1 and 1 give the bounds to the last digit.
-            lower, upper = self.distribution.support
+            lower, upper = self.law.support
             return np.where(
                 t < 0.0,
                 lower + 0.5 * (t + 1.0) * (upper - lower),
@@ -94,21 +106,21 @@ class Parameter:
             )
         return np.where(
             t < 0.0,
-            self.distribution.ppf(np.clip((1.0 + t) / 2.0, 0.0, 1.0)),
-            self.distribution.isf(np.clip((1.0 - t) / 2.0, 0.0, 1.0)),
+            self.law.ppf(np.clip((1.0 + t) / 2.0, 0.0, 1.0)),
+            self.law.isf(np.clip((1.0 - t) / 2.0, 0.0, 1.0)),
         )
 
-    def quantile(self, u) -> np.ndarray:
+    def quantile(self, u: ArrayLike) -> Numbers:
         """Coded value below which the probability is u, for u in (0, 1); same shape."""
         u = np.asarray(u, dtype=float)
         if self.categorical:
             index = np.minimum((u * len(self.levels)).astype(int), len(self.levels) - 1)
-            return self.coded_levels[index]
-        if not self.bounded or self.distribution.is_uniform:
+            return np.asarray(self.coded_levels[index], dtype=float)
+        if not self.bounded or self.law.is_uniform:
             return 2.0 * u - 1.0
-        return self.encode(self.distribution.ppf(u))
+        return self.encode(self.law.ppf(u))
 
-    def quadrature(self, order: int) -> tuple[np.ndarray, np.ndarray]:
+    def quadrature(self, order: int) -> tuple[Numbers, Numbers]:
         """Nodes (m,) in coded values and weights (m,) that sum to 1, for this parameter's law.
 
         Sums over the levels when categorical; Gauss-Legendre in the coded value
@@ -118,19 +130,19 @@ class Parameter:
         if self.categorical:
             return self.coded_levels, np.full(len(self.levels), 1.0 / len(self.levels))
         nodes, weights = special.roots_legendre(order)
-        if not self.bounded or self.distribution.is_uniform:
+        if not self.bounded or self.law.is_uniform:
             return nodes, weights / 2.0
         return _quadrature_of_law(self, order)
 
 
 @lru_cache(maxsize=256)
-def _quadrature_of_law(parameter: Parameter, order: int) -> tuple[np.ndarray, np.ndarray]:
+def _quadrature_of_law(parameter: Parameter, order: int) -> tuple[Numbers, Numbers]:
     """Gauss rule of a parameter's coded law, from Gauss-Legendre panels of the probability.
 
     The panels halve towards probability 0 and 1, so that narrow laws, long tails and
     densities without a bound are resolved as well as flat ones.
     """
-    law = parameter.distribution
+    law = parameter.law
     breaks = np.union1d(np.append(0.0, 0.5 ** np.arange(48.0, 0.0, -1.0)), _kinks(law))
     x, w = special.roots_legendre(max(16, order))
     half = np.diff(breaks)[:, None] / 2.0
@@ -143,13 +155,13 @@ def _quadrature_of_law(parameter: Parameter, order: int) -> tuple[np.ndarray, np
     return rule
 
 
-def _kinks(law: Distribution) -> np.ndarray:
+def _kinks(law: Distribution) -> Numbers:
     """Tail probabilities at which the density is not smooth: at the mode of a triangle."""
     mode = dict(law.words).get("mode")
     return np.array([]) if mode is None else np.minimum(law.cdf([mode]), law.sf([mode]))
 
 
-def _gauss_rule(x: np.ndarray, w: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
+def _gauss_rule(x: Numbers, w: Numbers, order: int) -> tuple[Numbers, Numbers]:
     """Gauss rule of a discrete measure by Lanczos / Golub and Welsch 1969.
 
     x, w: nodes and weights of the measure, shape (m,); returns `order` of them.
@@ -173,11 +185,11 @@ class Space:
     parameters: tuple[Parameter, ...]
     correlation: tuple[tuple[float, ...], ...] | None = None
 
-    def __deepcopy__(self, memo) -> Space:
+    def __deepcopy__(self, memo: dict[int, Any]) -> Space:
         """Itself: nothing in it changes, and scikit-learn copies it with every regressor."""
         return self
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not self.parameters:
             raise StudyError("a space needs at least one parameter")
         if len(set(self.names)) < len(self.names):
@@ -206,7 +218,7 @@ class Space:
                 return parameter
         raise StudyError(f"parameter '{name}' is unknown; {nearest(name, self.names)}")
 
-    def encode(self, physical: Mapping[str, Any]) -> np.ndarray:
+    def encode(self, physical: Mapping[str, Any]) -> Numbers:
         """Coded values (run, parameter) of columns of physical ones, name -> (run,)."""
         missing = [name for name in self.names if name not in physical]
         if missing:
@@ -214,12 +226,12 @@ class Space:
         columns = [np.atleast_1d(p.encode(physical[p.name])) for p in self.parameters]
         return np.column_stack(columns)
 
-    def decode(self, coded) -> dict[str, np.ndarray]:
+    def decode(self, coded: ArrayLike) -> dict[str, NDArray[Any]]:
         """Columns of physical values, name -> (run,), of coded ones (run, parameter)."""
         coded = self._points(coded)
         return {p.name: p.decode(coded[:, j]) for j, p in enumerate(self.parameters)}
 
-    def quantile(self, u) -> np.ndarray:
+    def quantile(self, u: ArrayLike) -> Numbers:
         """Coded points (run, parameter) of independent uniform numbers in (0, 1).
 
         The joint law of the result is the space's own, copula included: this is how
@@ -231,15 +243,15 @@ class Space:
             u = special.ndtr(normal @ np.linalg.cholesky(np.asarray(self.correlation)).T)
         return np.column_stack([p.quantile(u[:, j]) for j, p in enumerate(self.parameters)])
 
-    def sample(self, runs: int, *, seed=None) -> np.ndarray:
+    def sample(self, runs: int, *, seed: int | None = None) -> Numbers:
         """Random coded points (run, parameter) from the joint law."""
         return self.quantile(np.random.default_rng(seed).random((runs, self.size)))
 
-    def contains(self, coded) -> np.ndarray:
+    def contains(self, coded: ArrayLike) -> NDArray[np.bool_]:
         """Which coded points (run, parameter) lie in [-1, 1] throughout; shape (run,)."""
-        return (np.abs(self._points(coded)) <= 1.0 + 1e-9).all(axis=1)
+        return np.asarray((np.abs(self._points(coded)) <= 1.0 + 1e-9).all(axis=1))
 
-    def _points(self, values) -> np.ndarray:
+    def _points(self, values: ArrayLike) -> Numbers:
         values = np.atleast_2d(np.asarray(values, dtype=float))
         if values.shape[1] != self.size:
             raise StudyError(
@@ -249,7 +261,7 @@ class Space:
         return values
 
 
-def _check_correlation(matrix: np.ndarray, size: int) -> None:
+def _check_correlation(matrix: Numbers, size: int) -> None:
     if matrix.shape != (size, size):
         raise StudyError(f"the correlation matrix is {matrix.shape}; it must be ({size}, {size})")
     if not np.allclose(matrix, matrix.T) or not np.allclose(np.diag(matrix), 1.0):

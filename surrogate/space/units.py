@@ -14,7 +14,20 @@ from surrogate.errors import StudyError
 NUMBER_AND_UNIT = re.compile(
     r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:(?:\s+|(?=[^\W\d_]|[°%]))(\S.*))?"
 )
-_REGISTRY = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+_REGISTRY: pint.UnitRegistry[float] = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+#: What may be read as a unit: a product of names with small exponents. pint computes what it
+#: reads, and 9**9**9**9 would fill the memory.
+_UNIT = re.compile(
+    r"""(?:
+        (?:\*\*|\^)\s*\(?\s*[-+]?\d{1,2}(?:\.\d*)?(?![\w.])\s*\)?(?!\s*(?:\*\*|\^))  # exponent
+        | 1(?![\w.])                                                                   # 1/s
+        | [^\W\d]\w*+                                                                  # name
+        | (?!\*\*)[^\w^,]                                                              # * / ( ) %
+    )*+""",
+    re.VERBOSE,
+)
+_LONGEST_UNIT = 100
 
 
 @dataclass(frozen=True)
@@ -38,6 +51,8 @@ IDENTITY = Conversion(1.0, 0.0)
 
 def known(unit: str) -> bool:
     """True when pint can read `unit`."""
+    if len(unit) > _LONGEST_UNIT or not _UNIT.fullmatch(unit):
+        return False
     try:
         _REGISTRY.parse_units(unit)
     except (
@@ -65,11 +80,12 @@ def conversion(unit: str, target: str) -> Conversion:
         return IDENTITY
     for name in (unit, target):
         if not known(name):
-            raise StudyError(f"unit '{name}' is unknown; write it as 'mm', 'N/mm', 'kPa' ...")
+            shown = name if len(name) <= _LONGEST_UNIT else f"{name[:_LONGEST_UNIT]}..."
+            raise StudyError(f"unit '{shown}' is unknown; write it as 'mm', 'N/mm', 'kPa' ...")
     try:
         zero = _REGISTRY.Quantity(0.0, unit).to(target).magnitude
         one = _REGISTRY.Quantity(1.0, unit).to(target).magnitude
-    except pint.errors.PintError:
+    except (pint.errors.PintError, ArithmeticError):
         raise StudyError(f"unit '{unit}' does not convert to {_named(target)}") from None
     return Conversion(one - zero, zero)
 
@@ -83,10 +99,11 @@ def seconds(text: str | float) -> float:
     if isinstance(text, (int, float)) and not isinstance(text, bool):
         return float(text)
     try:
-        return float(_REGISTRY.Quantity(text).to("s").magnitude)
-    except Exception:
+        return quantity(str(text), "s")
+    except StudyError:
+        shown = text if len(str(text)) <= _LONGEST_UNIT else f"{str(text)[:_LONGEST_UNIT]}..."
         raise StudyError(
-            f"duration '{text}' is not understood; write '30 s', '30 min' or '2 h'"
+            f"duration '{shown}' is not understood; write '30 s', '30 min' or '2 h'"
         ) from None
 
 

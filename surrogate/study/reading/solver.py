@@ -11,7 +11,8 @@ from surrogate.errors import StudyError, nearest
 from surrogate.runs import dataset as runs
 from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Input, Output, Solver
-from surrogate.space import distributions, units
+from surrogate.space import laws, units
+from surrogate.space.distributions import UNBOUNDED, distribution
 from surrogate.space.space import Parameter, Space
 from surrogate.study import file as studyfile
 from surrogate.study import plugins
@@ -109,7 +110,7 @@ def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
     unit = taken.unit if part.unit is None else part.unit
     convert = units.conversion(unit, taken.unit)
     kind = part.distribution or "uniform"
-    accepted = [*distributions.option_names(kind)[0], *ParameterPart.model_fields]
+    accepted = [*laws.option_names(kind)[0], *ParameterPart.model_fields]
     mistakes = [
         f"key '{word}' is unknown here; {nearest(word, accepted)}"
         for word in part.options
@@ -127,19 +128,24 @@ def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
     words = {
         word: (
             convert.place
-            if word in distributions.LOCATION_WORDS
+            if word in laws.LOCATION_WORDS
             else convert.distance
-            if word in distributions.SCALE_WORDS
+            if word in laws.SCALE_WORDS
             else float
         )(value)
         for word, value in part.options.items()
     }
-    limits = (
-        distributions.UNBOUNDED
-        if part.range is None
-        else tuple(convert.place(value) for value in part.range)
-    )
-    law = distributions.distribution(kind, range=limits, **words)
+    if part.range is None:
+        limits = UNBOUNDED
+    else:
+        limits = (convert.place(part.range[0]), convert.place(part.range[1]))
+    if (
+        "scale" in accepted
+        and convert != units.IDENTITY
+        and (part.range is None or not laws.ends_from_range(kind, words))
+    ):  # a law of scipy stands at 0 and has scale 1, in the unit that the study writes
+        words = {"loc": convert.place(0.0), "scale": convert.distance(1.0), **words}
+    law = distribution(kind, range=limits, **words)
     _check_accepted(law.support, taken)
     return Parameter(name, law, unit=taken.unit, description=taken.description)
 

@@ -145,6 +145,50 @@ def test_levels_code_evenly_and_come_back():
     assert [(parameter.quantile(u) == code).sum() for code in (-1, 0, 1)] == [333] * 3
 
 
+#: Laws with two ends, in the words of a study, and the same law of scipy on [2, 6].
+WITH_ENDS = {
+    "loguniform": ({}, stats.loguniform(2.0, 6.0)),
+    "reciprocal": ({}, stats.reciprocal(2.0, 6.0)),
+    "beta": ({"a": 2.0, "b": 5.0}, stats.beta(2.0, 5.0, 2.0, 4.0)),
+    "arcsine": ({}, stats.arcsine(2.0, 4.0)),
+    "cosine": ({}, stats.cosine(4.0, 2.0 / np.pi)),
+    "semicircular": ({}, stats.semicircular(4.0, 2.0)),
+    "trapezoid": ({"c": 0.25, "d": 0.5}, stats.trapezoid(0.25, 0.5, 2.0, 4.0)),
+    "triang": ({"c": 0.25}, stats.triang(0.25, 2.0, 4.0)),
+    "triangular": ({"mode": 3.0}, stats.triang(0.25, 2.0, 4.0)),
+    "truncnorm": ({"loc": 5.0, "scale": 2.0}, stats.truncnorm(-1.5, 0.5, 5.0, 2.0)),
+    "truncexpon": ({"scale": 2.0}, stats.truncexpon(2.0, 2.0, 2.0)),
+    "truncpareto": ({"b": 3.0}, stats.truncpareto(3.0, 3.0, 0.0, 2.0)),
+    "truncweibull_min": ({"c": 2.0}, stats.truncweibull_min(2.0, 2.0, 6.0)),
+}
+
+
+@pytest.mark.parametrize("name", WITH_ENDS)
+def test_a_range_sets_the_ends_of_a_law_that_has_ends(name):
+    """Same density as scipy's law with the ends written out, and exactly the range's ends."""
+    words, expected = WITH_ENDS[name]
+    law = distribution(name, range=(2.0, 6.0), **words)
+    assert law.support == (2.0, 6.0)
+    x = np.linspace(2.05, 5.95, 40)
+    np.testing.assert_allclose(law.pdf(x), expected.pdf(x), rtol=1e-10)
+    np.testing.assert_allclose(law.cdf(x), expected.cdf(x), rtol=1e-10)
+
+
+def test_a_range_over_eight_decades():
+    """Log-uniform: median at the geometric mean of the ends."""
+    law = distribution("loguniform", range=(1e-16, 1e-8))
+    assert law.support == (1e-16, 1e-8)
+    assert float(law.ppf(0.5)) == pytest.approx(1e-12, rel=1e-9)
+
+
+def test_ends_of_their_own_are_cut_by_a_range():
+    """Where the words say where a law ends, or where it stands, a range truncates it."""
+    inside = distribution("loguniform", a=1.0, b=100.0, range=(10.0, 1000.0))
+    assert inside.support == (10.0, 100.0)
+    moved = distribution("beta", a=2.0, b=2.0, loc=0.0, scale=10.0, range=(0.0, 5.0))
+    assert moved.support == (0.0, 5.0) and float(moved.pdf(5.0)) == pytest.approx(0.3)
+
+
 @pytest.mark.parametrize(
     "build, words",
     [
@@ -156,6 +200,13 @@ def test_levels_code_evenly_and_come_back():
         (lambda: distribution("normal", mean=0.0, std=1.0, range=(50.0, 60.0)), "no probability"),
         (lambda: distribution("triangular", mode=5.0, range=(0.0, 1.0)), "outside range"),
         (lambda: distribution("lognormal", mean=-1.0, std=1.0), "above 0"),
+        (lambda: distribution("loguniform"), r"write {distribution: loguniform, range: \[small"),
+        (lambda: distribution("loguniform", a=1.0), "needs 'b'"),
+        (lambda: distribution("loguniform", range=(0.0, 1.0)), r"\[0, 1\] .* must be above 0"),
+        (
+            lambda: distribution("beta", range=(0.0, 1.0)),
+            "needs 'a', 'b'; write {distribution: beta, a: .., b: .., range:",
+        ),
         (lambda: Parameter("x", levels=("a", "a")), "two or more different"),
         (lambda: Space((Parameter("x", LAWS["uniform"]),) * 2), "must all differ"),
         (

@@ -61,3 +61,44 @@ def test_quantities_carry_their_unit():
             units.quantity(wrong, "mm")
     with pytest.raises(StudyError, match="not a number"):
         units.quantity("much", "mm")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "9**9**9**9",
+        "9^9^9^9",
+        "(9**9)**(9**9)",
+        "m**9**9**9",
+        "m**(9**(9**9))",
+        "m*9e99999",
+        "9*,*9*,*9*,*9",
+        "m**999999999",
+        "mm" * 60,
+        "(" * 5000 + "m" + ")" * 5000,
+    ],
+)
+def test_a_unit_that_would_be_computed_for_ever_is_refused_unread(text):
+    """What pint would compute is never given to it; the answer is a short sentence."""
+    assert not units.known(text)
+    for wrong in (
+        lambda: units.conversion(text, "mm"),
+        lambda: units.seconds(text),
+        lambda: units.seconds(f"3 {text}"),
+        lambda: units.quantity(f"3 {text}", "mm"),
+    ):
+        with pytest.raises(StudyError) as caught:
+            wrong()
+        assert len(str(caught.value)) < 400
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", "1", "1/s", "N/mm", "mm**2", "m^2", "m^-2", "mmHg**0.5", "kg m^2 / s^2", "(N/mm)^2"),
+        *("%", "°C", "µm", "m²", "degC", "m**(-2)", "cmH2O", "mmHg**2/mm", "delta_degC"),
+        *("meter per second", "square meter", "kg * m ** -1 * s ** -2"),
+    ],
+)
+def test_units_that_people_write_are_read(text):
+    assert units.known(text)
