@@ -17,7 +17,7 @@ from surrogate_solvers.leg_bandage.verification.wound_spiral import (
     band_on_cylinder,
     band_on_soft_tube,
     capstan,
-    creep_on_cone,
+    slide_down_cone,
     spiral_exactly,
     spiral_on_cylinder,
     stretches_on_cone,
@@ -72,7 +72,7 @@ def bounds():
             f"{found.worst:.2%} at most"
         )
     for alpha, (tension, radius) in product((0.08, 0.12), ((0.098, 45.0), (0.137, 35.0))):
-        below, above = (creep_on_cone(alpha, share, tension, radius) for share in (0.9, 1.1))
+        below, above = (slide_down_cone(alpha, share, tension, radius) for share in (0.9, 1.1))
         yield (
             f"V7 hoop on a cone, alpha {alpha} rad, T {tension} N/mm, r {radius:g} mm: moved by "
             f"{below:.2f} mm in eight steps at mu = 0.9 tan(alpha), {above:.3f} at 1.1"

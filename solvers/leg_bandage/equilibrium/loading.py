@@ -14,7 +14,7 @@ import numpy as np
 from surrogate.errors import SolverError
 
 from .model import Model
-from .solution import NotConverged, creep
+from .solution import NotConverged, pseudo_transient
 
 FIRST_VISCOSITY = 2e-3
 HELD_VISCOSITY = 2e-2, 1e-3
@@ -24,7 +24,7 @@ HELD_VISCOSITY = 2e-2, 1e-3
 def hold(model: Model, u: np.ndarray) -> np.ndarray:
     """Equilibrium with all contacts stuck, from u; raises SolverError.
 
-    When that is too far for one step the bandage creeps towards it; what is then left of
+    When that is too far for one step the bandage moves towards it; what is then left of
     the way is left to the release.
     """
     problem = model.problem
@@ -40,7 +40,7 @@ def hold(model: Model, u: np.ndarray) -> np.ndarray:
         problem.restore(state)
         problem.cost.cut_backs += 1
     try:
-        return creep(problem, u, HELD_VISCOSITY[0], until=HELD_VISCOSITY[1])[0]
+        return pseudo_transient(problem, u, HELD_VISCOSITY[0], until=HELD_VISCOSITY[1])[0]
     except NotConverged as failure:
         raise _failed(model, "holding the bandage as laid", failure) from failure
 
@@ -50,7 +50,9 @@ def release(model: Model, u: np.ndarray, watch=None) -> np.ndarray:
     for contact in model.problem.contacts:
         contact.release(u)
     try:
-        u, model.problem.cost.rest = creep(model.problem, u, FIRST_VISCOSITY, watch=watch)
+        u, model.problem.cost.rest = pseudo_transient(
+            model.problem, u, FIRST_VISCOSITY, watch=watch
+        )
     except NotConverged as failure:
         raise _failed(model, "releasing the bandage", failure) from failure
     return u

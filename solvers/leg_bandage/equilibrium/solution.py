@@ -230,14 +230,14 @@ class Problem:
         raise NotConverged(np.inf, 0)
 
 
-def creep(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None):
-    """Let the bandage move; returns u and the last viscous traction, MPa.
+def pseudo_transient(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None):
+    """Pseudo-transient continuation (Kelley and Keyes 1998): follow the bandage until it rests.
 
-    Ends when the viscosity has come down to `until`, or, without it, when the bandage
-    rests. From the third on a step starts from where the last one was heading; after a
-    failure the viscosity rises and steps are kept shorter. watch(step, viscosity, move, iterations)
-    is told about each accepted step. Raises NotConverged when the largest viscosity does
-    not help or the steps run out.
+    Returns u and the last viscous traction, MPa. Ends when the viscosity has come down to
+    `until`, or, without it, when the bandage rests. From the third on a step starts from
+    where the last one was heading; after a failure the viscosity rises and steps are kept
+    shorter. watch(step, viscosity, move, iterations) is told about each accepted step.
+    Raises NotConverged when the largest viscosity does not help or the steps run out.
     """
     limits, drag, cost = problem.tolerances, problem.viscosity, problem.cost
     smallest, largest = max(until, limits.viscosity[0]), limits.viscosity[1]

@@ -15,7 +15,7 @@ from ..bandage.shell import Shell
 from ..contact.contact import Contact, Points
 from ..contact.friction import ContactLaw
 from ..equilibrium.model import skin_parameters
-from ..equilibrium.solution import Problem, Tolerances, Viscosity, creep
+from ..equilibrium.solution import Problem, Tolerances, Viscosity, pseudo_transient
 from ..surfaces.surfaces import Mandrel, Skin, Strip
 from ..tissue.mesh import LegMesh
 from ..tissue.neo_hooke import Tissue
@@ -56,7 +56,7 @@ class Wound:
         u = np.zeros(self.X.size) if u is None else u
         for contact in self.problem.contacts:
             contact.release(u)
-        return creep(self.problem, u, viscosity)[0]
+        return pseudo_transient(self.problem, u, viscosity)[0]
 
 
 def wind(

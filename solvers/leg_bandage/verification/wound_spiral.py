@@ -129,8 +129,8 @@ def capstan(mu: float) -> float:
     return float(np.exp(np.pi * np.polyfit(theta[inner], np.log(tension[inner]), 1)[0]))
 
 
-def creep_on_cone(alpha: float, share: float, tension: float, radius: float) -> float:
-    """V7: how far (mm) a hoop creeps down a cone at mu = share tan(alpha) in eight steps.
+def slide_down_cone(alpha: float, share: float, tension: float, radius: float) -> float:
+    """V7: how far (mm) a hoop slides down a cone at mu = share tan(alpha) in eight steps.
 
     Exact: it rests when share is above 1 and never does below, whatever T and r.
     """

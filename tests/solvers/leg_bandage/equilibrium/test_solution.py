@@ -13,7 +13,7 @@ from surrogate_solvers.leg_bandage.equilibrium.solution import (
     NotConverged,
     Problem,
     Tolerances,
-    creep,
+    pseudo_transient,
 )
 from surrogate_solvers.leg_bandage.surfaces.surfaces import Mandrel
 from surrogate_solvers.leg_bandage.verification.mandrel import ring_wrap, wind
@@ -53,7 +53,7 @@ def test_newton_ends_quadratically(ring, monkeypatch):
 def test_a_failed_step_is_undone_and_repeated_with_more_drag(ring, monkeypatch):
     """Cut-back: state restored, viscosity raised, the same end reached."""
     before = ring.problem.state()
-    whole, _ = creep(ring.problem, np.zeros(ring.X.size), 1e-3)
+    whole, _ = pseudo_transient(ring.problem, np.zeros(ring.X.size), 1e-3)
     ring.problem.restore(before)
     calls, newton = [], Problem.newton
 
@@ -65,7 +65,7 @@ def test_a_failed_step_is_undone_and_repeated_with_more_drag(ring, monkeypatch):
         return newton(self, u, force)
 
     monkeypatch.setattr(Problem, "newton", shaky)
-    u, drag = creep(ring.problem, np.zeros(ring.X.size), 1e-3)
+    u, drag = pseudo_transient(ring.problem, np.zeros(ring.X.size), 1e-3)
     assert calls[2] > calls[1]
     assert drag < ring.problem.tolerances.rest
     assert np.abs(u - whole).max() < 0.01
@@ -96,10 +96,10 @@ def test_what_a_failed_step_held_goes_with_it(ring, monkeypatch, largest):
     gc.disable()
     try:
         if largest:
-            creep(problem, np.zeros(ring.X.size), 1e-3)
+            pseudo_transient(problem, np.zeros(ring.X.size), 1e-3)
         else:
             with pytest.raises(NotConverged, match="residual 1"):
-                creep(problem, np.zeros(ring.X.size), 1e-3)
+                pseudo_transient(problem, np.zeros(ring.X.size), 1e-3)
         assert len(held) >= 2 and all(factors() is None for factors in held)
     finally:
         gc.enable()
@@ -109,4 +109,4 @@ def test_no_steps_left_is_not_rest(ring):
     """Steps that run out raise; a moving bandage is never returned."""
     ring.problem.tolerances = Tolerances(steps=1)
     with pytest.raises(NotConverged):
-        creep(ring.problem, np.zeros(ring.X.size), 1e-3)
+        pseudo_transient(ring.problem, np.zeros(ring.X.size), 1e-3)

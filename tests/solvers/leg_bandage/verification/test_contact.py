@@ -26,8 +26,8 @@ from surrogate_solvers.leg_bandage.verification.wound_spiral import (
     band_on_cylinder,
     band_on_soft_tube,
     capstan,
-    creep_on_cone,
     curvature,
+    slide_down_cone,
     spiral_exactly,
     spiral_on_cylinder,
     stretches_on_cone,
@@ -74,11 +74,11 @@ def test_capstan(mu, ratio):
 def test_hoop_on_a_cone_slides_below_tan_alpha(alpha, tension, radius):
     """V7: a hoop on a cone slides exactly when mu < tan(alpha), whatever T and r.
 
-    10 % below, it is still creeping after eight steps; 10 % above, it rests after less
+    10 % below, it is still sliding after eight steps; 10 % above, it rests after less
     than the elastic slip and its own settling.
     """
-    assert creep_on_cone(alpha, 1.1, tension, radius) < 0.08
-    assert creep_on_cone(alpha, 0.9, tension, radius) > 0.6
+    assert slide_down_cone(alpha, 1.1, tension, radius) < 0.08
+    assert slide_down_cone(alpha, 0.9, tension, radius) > 0.6
 
 
 def test_edge_stretches_on_a_cone():
