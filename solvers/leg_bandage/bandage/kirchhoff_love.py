@@ -86,15 +86,15 @@ def _stretching(at: Frame, natural, fabric: Fabric, slack: bool, gradient, hessi
     if slack:
         N1, N2 = np.maximum(N1, 0), np.maximum(N2, 0)
     t11, t22, t12, eye = _outer(t1, t1), _outer(t2, t2), _outer(t1, t2), np.eye(3)
-    tension1, tension2, drag = N1 / l1 - S * c / l1**2, N2 / l2 - S * c / l2**2, S / (l1 * l2)
+    tension1, tension2, twist = N1 / l1 - S * c / l1**2, N2 / l2 - S * c / l2**2, S / (l1 * l2)
     hessian[0] = _scale(Q11, t11) + _scale(tension1, eye - t11)
     hessian[0] += fabric.G * _outer(p1, p1) - _both(_outer(_times(S / l1, t1), p1))
     hessian[3] = Q22 * t22 + _scale(tension2, eye - t22)
     hessian[3] += fabric.G * _outer(p2, p2) - _both(_outer(_times(S / l2, t2), p2))
     hessian[1] = Q12 * t12 + fabric.G * _outer(p1, p2)
-    hessian[1] += _scale(drag, eye - t11 - t22 + _scale(c, t12))
+    hessian[1] += _scale(twist, eye - t11 - t22 + _scale(c, t12))
     if slack:
-        lift = _negative_part(tension1, tension2, drag)
+        lift = _negative_part(tension1, tension2, twist)
         for block, value in zip((0, 3, 1), lift, strict=True):
             hessian[block] -= _outer(_times(value, at.normal), at.normal)
     hessian[2] = hessian[1].swapaxes(-1, -2)

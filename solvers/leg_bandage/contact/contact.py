@@ -108,7 +108,7 @@ class Contact:
 
         def tangent():
             D, ds = self._tangent(k, force, grip)
-            psi, bend = self.law.drag(k["slip_size"])
+            psi, bend = self.law.friction_factor(k["slip_size"])
             unit = k["slip"] / np.maximum(k["slip_size"], 1e-30)[:, None]
             self._last = ds, k["slip"], unit, psi, bend, nodes, weights
             return self.candidates.assemble(k["xi"], weights, D)
@@ -170,7 +170,7 @@ class Contact:
 
         Its directions are w = s / N(|s|): the tangent is then the residual's derivative.
         """
-        psi, _ = self.law.drag(share * k["slip_size"])
+        psi, _ = self.law.friction_factor(share * k["slip_size"])
         w = (psi * share)[:, None] * k["slip"]
         anchor = k["xi"] - share[:, None] * k["shift"]
         return replace(self.current, xi=k["xi"], anchor=anchor, w=w)
@@ -195,7 +195,7 @@ class Contact:
 
     def _traction(self, k):
         """Traction F = p n - grip s (n, 3) on the bandage, and grip (n,), MPa/mm."""
-        psi, _ = self.law.drag(k["slip_size"])
+        psi, _ = self.law.friction_factor(k["slip_size"])
         grip = np.where(k["held"], self.law.penalty, self.law.mu * k["p"] * psi)
         return k["p"][:, None] * k["normal"] - grip[:, None] * k["slip"], grip
 
@@ -222,7 +222,7 @@ class Contact:
         ds = np.einsum("pa,pacj->pcj", k["shift"], dy)
         ds += np.einsum("pac,paj->pcj", jet[:, 1:3], dxi)
 
-        psi, bend = self.law.drag(size)
+        psi, bend = self.law.friction_factor(size)
         loosen = np.where(held, 0.0, self.law.mu * p * bend / psi / np.maximum(size, 1e-30))
         w = np.where(held[:, None], 0.0, self.current.w)
         dF = np.einsum("pc,pj->pcj", n - self.law.mu * w, dp)

@@ -38,7 +38,7 @@ class ContactLaw:
             np.where(held, -self.penalty, slope),
         )
 
-    def drag(self, slip):
+    def friction_factor(self, slip):
         """psi and psi' with traction = -mu p psi(|s|) s, from |s| (n,), 1/mm and 1/mm^2."""
         e = self.elastic_slip
         size = np.maximum(slip, e)

@@ -79,7 +79,7 @@ class Cost:
 
 
 class Viscosity:
-    """Drag c A (x - x_n) of the bandage's control points and of the skin, as a part.
+    """Viscous force c A (x - x_n) on the bandage's control points and on the skin, as a part.
 
     area (nodes,) is the share of laid area, or of skin, of each node.
     """
@@ -91,8 +91,8 @@ class Viscosity:
 
     def linearise(self, u):
         """Residual (ndof,) and tangent, a diagonal (nnz,)."""
-        drag = self.coefficient * self.area
-        return drag * (u - self.origin), lambda: drag[self.rows]
+        damping = self.coefficient * self.area
+        return damping * (u - self.origin), lambda: damping[self.rows]
 
 
 class NotConverged(Exception):
@@ -239,12 +239,12 @@ def pseudo_transient(problem: Problem, u, viscosity: float, until: float = 0.0, 
     shorter. watch(step, viscosity, move, iterations) is told about each accepted step.
     Raises NotConverged when the largest viscosity does not help or the steps run out.
     """
-    limits, drag, cost = problem.tolerances, problem.viscosity, problem.cost
+    limits, damper, cost = problem.tolerances, problem.viscosity, problem.cost
     smallest, largest = max(until, limits.viscosity[0]), limits.viscosity[1]
-    dragged, reach, heading = drag.area > 0, LONG_MOVE, np.zeros_like(u)
+    moving, reach, heading = damper.area > 0, LONG_MOVE, np.zeros_like(u)
     left, accepted = (np.inf, 0), 0
     for step in range(limits.steps):
-        drag.coefficient, drag.origin = viscosity, u
+        damper.coefficient, damper.origin = viscosity, u
         state, final = problem.state(), viscosity <= smallest
         try:
             new, iterations = problem.newton(u + heading, limits.force if final else limits.passing)
@@ -261,7 +261,7 @@ def pseudo_transient(problem: Problem, u, viscosity: float, until: float = 0.0, 
         for contact in problem.contacts:
             contact.accept(new)
         change, u = new - u, new
-        move = float(np.abs(change[dragged]).max())
+        move = float(np.abs(change[moving]).max())
         if watch:
             watch(step, viscosity, move, iterations)
         if final and (until or viscosity * move < limits.rest):

@@ -25,12 +25,15 @@ def test_held_points_pull_as_well_as_push():
     assert p == pytest.approx([0.015, -0.015]) and slope == pytest.approx([-0.15, -0.15])
 
 
-def test_drag_saturates_at_coulomb():
+def test_friction_saturates_at_coulomb():
     """psi(s) s = y (2 - y), y = s / e, then 1; psi' is its derivative; what stays is e."""
     slip = np.array([0.0125, 0.025, 0.05, 0.5, 3.0])
-    psi, bend = LAW.drag(slip)
+    psi, bend = LAW.friction_factor(slip)
     assert psi * slip == pytest.approx([0.4375, 0.75, 1.0, 1.0, 1.0])
     h = 1e-8
-    numeric = (LAW.drag(slip[[0, 1, 3, 4]] + h)[0] - LAW.drag(slip[[0, 1, 3, 4]] - h)[0]) / (2 * h)
+    numeric = (
+        LAW.friction_factor(slip[[0, 1, 3, 4]] + h)[0]
+        - LAW.friction_factor(slip[[0, 1, 3, 4]] - h)[0]
+    ) / (2 * h)
     assert bend[[0, 1, 3, 4]] == pytest.approx(numeric, rel=1e-5)
     assert LAW.kept(slip) * slip == pytest.approx(np.minimum(slip, 0.05))

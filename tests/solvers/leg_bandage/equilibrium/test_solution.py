@@ -50,7 +50,7 @@ def test_newton_ends_quadratically(ring, monkeypatch):
     assert np.log(last[2] / last[1]) < 1.7 * np.log(last[1] / last[0])
 
 
-def test_a_failed_step_is_undone_and_repeated_with_more_drag(ring, monkeypatch):
+def test_a_failed_step_is_undone_and_repeated_with_more_viscosity(ring, monkeypatch):
     """Cut-back: state restored, viscosity raised, the same end reached."""
     before = ring.problem.state()
     whole, _ = pseudo_transient(ring.problem, np.zeros(ring.X.size), 1e-3)
@@ -65,9 +65,9 @@ def test_a_failed_step_is_undone_and_repeated_with_more_drag(ring, monkeypatch):
         return newton(self, u, force)
 
     monkeypatch.setattr(Problem, "newton", shaky)
-    u, drag = pseudo_transient(ring.problem, np.zeros(ring.X.size), 1e-3)
+    u, viscous_traction = pseudo_transient(ring.problem, np.zeros(ring.X.size), 1e-3)
     assert calls[2] > calls[1]
-    assert drag < ring.problem.tolerances.rest
+    assert viscous_traction < ring.problem.tolerances.rest
     assert np.abs(u - whole).max() < 0.01
     assert ring.problem.cost.cut_backs == 1
 
