@@ -20,7 +20,7 @@ WORTH, MOST = 20, 30
 """GMRES iterations after which the next system gets factors of its own; and this one."""
 
 
-class LaggedSolver:
+class ReusedFactors:
     """Solutions of systems that share one pattern and change slowly.
 
     name     `superlu`, `pardiso`, or `auto`: pardiso when it is installed

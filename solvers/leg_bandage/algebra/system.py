@@ -14,7 +14,7 @@ from scipy.sparse import csc_array, csr_array
 from threadpoolctl import ThreadpoolController
 
 from .direct import with_values
-from .reused_factors import LaggedSolver
+from .reused_factors import ReusedFactors
 
 # Dense products split over threads differ in their last digits; parts are fast on one.
 DENSE = ThreadpoolController().select(internal_api="openblas")
@@ -58,7 +58,7 @@ class System:
         rows = number[np.concatenate([part.rows for part in self.parts])]
         cols = number[np.concatenate([part.cols for part in self.parts])]
         pattern, self._slots = compress(rows, cols, len(self.free))
-        self.factors = LaggedSolver(solver, pattern)
+        self.factors = ReusedFactors(solver, pattern)
 
     def linearise(self, u: np.ndarray) -> tuple[np.ndarray, Tangent]:
         """Sum of the parts' residuals (n_dofs,), and their tangents' values, one after another.

@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from surrogate.errors import SolverError
 from surrogate_solvers.leg_bandage.algebra.direct import DirectSolver
-from surrogate_solvers.leg_bandage.algebra.reused_factors import SHARE, LaggedSolver, gmres
+from surrogate_solvers.leg_bandage.algebra.reused_factors import SHARE, ReusedFactors, gmres
 from surrogate_solvers.leg_bandage.algebra.system import System, compress
 from surrogate_solvers.leg_bandage.bandage.products import NOMINAL
 from surrogate_solvers.leg_bandage.bandage.shell import Shell
@@ -115,7 +115,7 @@ def test_factors_are_kept_while_they_serve(engine):
     n = 60
     rows, cols = (axis.ravel() for axis in np.indices((n, n)))
     pattern, slots = compress(rows, cols, n)
-    solver = LaggedSolver(engine, pattern)
+    solver = ReusedFactors(engine, pattern)
     first = np.eye(n) * 4 + rng.normal(size=(n, n)) / n
     near = first + np.outer(rng.normal(size=n), rng.normal(size=n)) / 4
     far = rng.normal(size=(n, n))
