@@ -30,7 +30,7 @@ import numpy as np
 from ..algebra.system import Tangent
 from ..surfaces.projection import metric, project, solve2
 from .friction import ContactLaw
-from .sparsity import Candidates
+from .sparsity import ContactPattern
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class Contact:
             psi, bend = self.law.friction_factor(k["slip_size"])
             unit = k["slip"] / np.maximum(k["slip_size"], 1e-30)[:, None]
             self._last = ds, k["slip"], unit, psi, bend, nodes, weights
-            return self.candidates.assemble(k["xi"], weights, D)
+            return self.pattern.assemble(k["xi"], weights, D)
 
         residual = np.zeros(u.size)
         for c in range(3):
@@ -276,5 +276,5 @@ class Contact:
 
     def rebuild(self):
         """Lay out the pattern around the present projections; rows and cols change."""
-        self.candidates = Candidates(self.points.nodes, self.surface, self.current.xi)
-        self.rows, self.cols = self.candidates.rows, self.candidates.cols
+        self.pattern = ContactPattern(self.points.nodes, self.surface, self.current.xi)
+        self.rows, self.cols = self.pattern.rows, self.pattern.cols

@@ -18,11 +18,11 @@ REACH = 0.6
 """Cells that a projection may wander before the pattern has to be laid out anew."""
 
 
-class PatternLeft(Exception):
+class PatternOutgrown(Exception):
     """A projection wandered too far: lay the pattern out anew and analyse again."""
 
 
-class Candidates:
+class ContactPattern:
     """Pairs of nodes that points may couple, laid out around projections xi (n, 2).
 
     own (n, k) are the nodes of the points, `surface` says which nodes move its cells.
@@ -47,7 +47,7 @@ class Candidates:
     def assemble(self, xi: np.ndarray, weights: np.ndarray, tangent: np.ndarray) -> np.ndarray:
         """Values (nnz,) of sum_p B' D B with B (n, 3, m) on own and surface nodes, D (n, 9, 9).
 
-        Raises PatternLeft when a projection that matters, one whose D is not zero, is in
+        Raises PatternOutgrown when a projection that matters, one whose D is not zero, is in
         another cell and farther than REACH from where it was laid out.
         """
         self._follow(xi, tangent.any(axis=(1, 2)))
@@ -68,7 +68,7 @@ class Candidates:
         cells = self._surface.cell(xi)
         elsewhere = matters & (cells != self._home).any(axis=1)
         if np.abs(xi - self._laid)[elsewhere].max(initial=0.0) > REACH:
-            raise PatternLeft
+            raise PatternOutgrown
         moved = (cells != self._cells).any(axis=1)
         if moved.any():
             self._place[moved] = self._find(moved, cells[moved])

@@ -19,7 +19,7 @@ from surrogate.errors import SolverError
 
 from ..algebra.system import System
 from ..contact.contact import Contact
-from ..contact.sparsity import PatternLeft
+from ..contact.sparsity import PatternOutgrown
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ class Problem:
                 packed = self.system.pack(tangent())
                 self.cost.add("assemble", start)
                 return packed
-            except PatternLeft:
+            except PatternOutgrown:
                 for contact in self.contacts:
                     contact.follow(u)
                 self.system = None

@@ -7,7 +7,7 @@ import pytest
 
 from surrogate_solvers.leg_bandage.contact.contact import Contact, Points
 from surrogate_solvers.leg_bandage.contact.friction import ContactLaw
-from surrogate_solvers.leg_bandage.contact.sparsity import PatternLeft
+from surrogate_solvers.leg_bandage.contact.sparsity import PatternOutgrown
 from surrogate_solvers.leg_bandage.surfaces.projection import project
 from surrogate_solvers.leg_bandage.surfaces.surfaces import (
     Mandrel,
@@ -119,7 +119,7 @@ def test_pattern_holds_wandering_projections_after_rebuild():
     contact, _ = patch_on_tube(9)
     u = np.zeros((len(contact.X), 3))
     u[contact.surface.nodes.size :, 2] = 15.0
-    with pytest.raises(PatternLeft):
+    with pytest.raises(PatternOutgrown):
         contact.linearise(u.ravel())[1]()
     contact.follow(u.ravel())
     residual, tangent = contact.linearise(u.ravel())
