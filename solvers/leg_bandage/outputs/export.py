@@ -13,7 +13,7 @@ import numpy as np
 
 from surrogate.errors import SolverError
 
-from .outputs import MMHG, imprint
+from .outputs import MMHG, pressure_map
 from .result import Result
 
 
@@ -24,7 +24,7 @@ def leg_mesh(result: Result) -> meshio.Mesh:
     move = result.u.reshape(-1, 3)[:nodes]
     theta, z = np.meshgrid(grid.theta, grid.z, indexing="ij")
     pressed = np.zeros(nodes)
-    pressed[grid.skin.ravel()] = imprint(model, result.u).at(theta.ravel(), z.ravel())[0]
+    pressed[grid.skin.ravel()] = pressure_map(model, result.u).at(theta.ravel(), z.ravel())[0]
     return meshio.Mesh(
         grid.mesh.p.T + move,
         [("hexahedron", _hexahedra(grid.nodes))],
@@ -45,7 +45,7 @@ def bandage_mesh(result: Result) -> meshio.Mesh:
     number = np.arange((ns + 1) * (nw + 1)).reshape(ns + 1, nw + 1)
     quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], -1)
     middle = corners[:-1, :-1].reshape(-1, 2) + 0.5
-    found = imprint(model, result.u)
+    found = pressure_map(model, result.u)
     data = {
         "stretch": model.shell.at(result.u, middle).warp_stretch,
         "pressure_mmHg": found.strip.at(middle, found.pressure)[:, 0, 0] / MMHG,

@@ -77,7 +77,7 @@ def answers(
     rule       for B1, where the sensor lies
     around, up how far from there its centre is, mm along the skin
     """
-    found, cost = imprint(model, u), model.problem.cost
+    found, cost = pressure_map(model, u), model.problem.cost
     z = b1_height(leg, rule)
     _, ankle, _, calf = extreme_girths(leg)
     highest = leg.length - model.wrap.pitch - 25.0
@@ -125,7 +125,7 @@ def _circle(radius, places=8):
 
 
 @dataclass(frozen=True)
-class Imprint:
+class PressureMap:
     """The bandage on the skin it has come to lie on.
 
     strip     the bandage's parameters, without the leg
@@ -178,7 +178,7 @@ class Imprint:
         return xi, np.where(inside, np.clip(rim + 0.5, 0.0, 1.0), 0.0)
 
 
-def imprint(model: Model, u: np.ndarray) -> Imprint:
+def pressure_map(model: Model, u: np.ndarray) -> PressureMap:
     """Where the bandage lies at displacements u and how it presses the skin."""
     strip, laid = Strip(model.strip.ns, model.strip.nw), model.lay
     shape = (strip.ns, strip.nw)
@@ -203,7 +203,7 @@ def imprint(model: Model, u: np.ndarray) -> Imprint:
     height = model.mesh.z[1] - model.mesh.z[0]
     place = np.column_stack([xi[:, 0] * turns, model.mesh.z[0] + xi[:, 1] * height])
     places = _spline(place.reshape(*shape, 2))
-    return Imprint(strip, places, _spline(pressure[..., None]), slip.reshape(shape))
+    return PressureMap(strip, places, _spline(pressure[..., None]), slip.reshape(shape))
 
 
 def _on_elements(values, area):
@@ -218,7 +218,7 @@ def _on_elements(values, area):
     return inner / weight
 
 
-def on_disc(found: Imprint, leg: Leg, disc: Disc) -> tuple[float, float]:
+def on_disc(found: PressureMap, leg: Leg, disc: Disc) -> tuple[float, float]:
     """Mean pressure (mmHg) and mean number of layers over a sensor; NaN for a disc at NaN."""
     if not np.isfinite(disc.z):
         return np.nan, np.nan
@@ -227,7 +227,7 @@ def on_disc(found: Imprint, leg: Leg, disc: Disc) -> tuple[float, float]:
     return float(weights @ pressure), float(weights @ layers)
 
 
-def field(found: Imprint, leg: Leg, theta: np.ndarray, heights: np.ndarray) -> np.ndarray:
+def field(found: PressureMap, leg: Leg, theta: np.ndarray, heights: np.ndarray) -> np.ndarray:
     """Pressure (theta, heights) in mmHg on angles and heights over the leg's length."""
     grid = np.meshgrid(theta, heights * leg.length, indexing="ij")
     return found.at(grid[0].ravel(), grid[1].ravel())[0].reshape(grid[0].shape)

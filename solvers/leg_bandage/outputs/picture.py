@@ -11,7 +11,7 @@ from surrogate.errors import SolverError
 
 from ..equilibrium.model import midpoints
 from ..geometry.landmarks import MEDIAL, Disc
-from .outputs import imprint
+from .outputs import pressure_map
 from .result import Result
 
 
@@ -29,7 +29,7 @@ def draw(result: Result, path: str | Path) -> Path:
     from matplotlib.figure import Figure
 
     model, leg = result.model, result.leg
-    found = imprint(model, result.u)
+    found = pressure_map(model, result.u)
     theta = np.linspace(0, 2 * np.pi, 181)
     z = np.linspace(0, leg.length, 121)
     grid = np.meshgrid(theta, z)

@@ -15,7 +15,7 @@ from surrogate_solvers.leg_bandage.geometry.basis import fit_basis
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
 from surrogate_solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc, b1_height
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
-from surrogate_solvers.leg_bandage.outputs.outputs import _circle, imprint, on_disc
+from surrogate_solvers.leg_bandage.outputs.outputs import _circle, on_disc, pressure_map
 from surrogate_solvers.leg_bandage.parameters import INPUTS, shapes_in
 from surrogate_solvers.leg_bandage.plugin import LegBandage
 
@@ -42,7 +42,7 @@ def test_a_moved_sensor_reads_the_same_field_elsewhere(result, moved):
     """The mechanics does not feel the sensor: only what hangs on its place differs."""
     leg, values = result.leg, result.values
     sensor = Disc(MEDIAL, b1_height(leg)).moved(leg, 6.0, 8.0)
-    expected, _ = on_disc(imprint(result.model, result.u), leg, sensor)
+    expected, _ = on_disc(pressure_map(result.model, result.u), leg, sensor)
     assert moved.values["pressure_b1"] == expected != values["pressure_b1"]
     for name in ("pressure_b1_girth", "b1_height", "slip_max", "pressure_ankle"):
         assert moved.values[name] == values[name]
@@ -53,7 +53,7 @@ def test_sensor_variation_is_the_mean_over_moved_sensors(result):
     """Eight sensors on a circle of 10 mm, read as `sensor_around` and `sensor_up` move them."""
     places = _circle(10.0)
     assert (0.0, 10.0) == pytest.approx(places[2], abs=1e-12)
-    found, sensor = imprint(result.model, result.u), Disc(MEDIAL, b1_height(result.leg))
+    found, sensor = pressure_map(result.model, result.u), Disc(MEDIAL, b1_height(result.leg))
     read = [on_disc(found, result.leg, sensor.moved(result.leg, *place))[0] for place in places]
     mean = np.mean(np.abs(np.array(read) - result.values["pressure_b1"]))
     assert result.values["sensor_variation"] == pytest.approx(mean, rel=1e-12)

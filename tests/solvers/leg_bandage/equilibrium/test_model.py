@@ -14,7 +14,7 @@ from surrogate_solvers.leg_bandage.equilibrium import loading, model
 from surrogate_solvers.leg_bandage.equilibrium.solution import NotConverged
 from surrogate_solvers.leg_bandage.geometry.landmarks import Disc
 from surrogate_solvers.leg_bandage.outputs import export, picture
-from surrogate_solvers.leg_bandage.outputs.outputs import MMHG, imprint, on_disc
+from surrogate_solvers.leg_bandage.outputs.outputs import MMHG, on_disc, pressure_map
 from surrogate_solvers.leg_bandage.plugin import INPUTS, LegBandage
 
 
@@ -72,7 +72,7 @@ def test_pressure_times_area_is_the_force_on_the_skin(result):
     z = np.linspace(m.mesh.z[0], m.mesh.z[-1], 400)
     grid = np.meshgrid(theta, (z[1:] + z[:-1]) / 2, indexing="ij")
     flat = np.stack(grid, -1).reshape(-1, 2)
-    pressure, _ = imprint(m, u).at(*flat.T)
+    pressure, _ = pressure_map(m, u).at(*flat.T)
     jet = m.skin.surface.at(model.skin_parameters(m.mesh, flat), m.X + u.reshape(-1, 3))
     rate = len(m.mesh.theta) / (2 * np.pi) / (m.mesh.z[1] - m.mesh.z[0])
     area = np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1) * rate
@@ -164,7 +164,7 @@ def test_a_named_fabric_sets_the_nominal_inputs():
 
 def test_nowhere_has_no_pressure(result):
     """A sensor at NaN height reads NaN."""
-    found = imprint(result.model, result.u)
+    found = pressure_map(result.model, result.u)
     assert np.isnan(on_disc(found, result.leg, Disc(np.pi, np.nan))[0])
 
 
