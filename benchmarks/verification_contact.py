@@ -10,7 +10,7 @@ from itertools import product
 
 import numpy as np
 
-from surrogate_solvers.leg_bandage.outputs.outputs import MMHG
+from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG
 from surrogate_solvers.leg_bandage.verification.flat_patch import press, settlement_exactly
 from surrogate_solvers.leg_bandage.verification.thick_cylinder import hooped_exactly
 from surrogate_solvers.leg_bandage.verification.wound_spiral import (

@@ -21,7 +21,7 @@ from .bandage.products import BANDAGES, STRETCH, bandage
 from .geometry.basis import reconstruction_errors
 from .geometry.cohort import Cohort, load_cohort
 from .geometry.leg import Leg
-from .outputs.outputs import OUTPUTS
+from .outputs.answers import OUTPUTS
 from .parameters import INPUTS, MODES, complete, legs_in
 from .plugin import LegBandage
 

@@ -42,7 +42,7 @@ from .geometry.bone import bone_of
 from .geometry.feasibility import check_leg
 from .geometry.landmarks import RULES
 from .geometry.leg import Leg
-from .outputs.outputs import OUTPUTS, answers
+from .outputs.answers import OUTPUTS, answers
 from .outputs.result import Result
 from .parameters import INPUTS, SHAPE, complete, shapes_in
 from .wrapping.lay import element_rows, lay

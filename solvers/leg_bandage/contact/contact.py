@@ -17,7 +17,7 @@ own, with w N(|s|) = s, linearised in both and condensed point by point (Chan, G
 Mulet 1999, for total variation): the residual stays that of the law, and the tangent
 takes w for s / N, which agrees at the solution.
 
-Areas are those of the laid bandage: pressures are per laid area (see `outputs` for the
+Areas are those of the laid bandage: pressures are per laid area (see `pressure_map` for the
 true ones).
 """
 

@@ -1,4 +1,4 @@
 """What is read off a solved model: numbers, pictures, files for other programs.
 
-Start from `result.Result`; `outputs.OUTPUTS` says what each number means.
+Start from `result.Result`; `answers.OUTPUTS` says what each number means.
 """

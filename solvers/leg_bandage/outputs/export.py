@@ -13,7 +13,7 @@ import numpy as np
 
 from surrogate.errors import SolverError
 
-from .outputs import MMHG, pressure_map
+from .pressure_map import MMHG, pressure_map
 from .result import Result
 
 

@@ -11,7 +11,7 @@ from surrogate.errors import SolverError
 
 from ..equilibrium.model import midpoints
 from ..geometry.landmarks import MEDIAL, Disc
-from .outputs import pressure_map
+from .pressure_map import pressure_map
 from .result import Result
 
 

@@ -16,7 +16,7 @@ from ..bandage.fabric import Fabric
 from ..bandage.products import NOMINAL, at_tension
 from ..contact.friction import ContactLaw
 from ..equilibrium.solution import Tolerances
-from ..outputs.outputs import MMHG
+from ..outputs.pressure_map import MMHG
 from ..surfaces.surfaces import Mandrel
 from ..tissue.mesh import leg_mesh, tube
 from ..wrapping.spiral import Wrap

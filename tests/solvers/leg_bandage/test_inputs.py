@@ -15,7 +15,8 @@ from surrogate_solvers.leg_bandage.geometry.basis import fit_basis
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
 from surrogate_solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc, b1_height
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
-from surrogate_solvers.leg_bandage.outputs.outputs import _circle, on_disc, pressure_map
+from surrogate_solvers.leg_bandage.outputs.answers import _circle
+from surrogate_solvers.leg_bandage.outputs.pressure_map import on_disc, pressure_map
 from surrogate_solvers.leg_bandage.parameters import INPUTS, shapes_in
 from surrogate_solvers.leg_bandage.plugin import LegBandage
 

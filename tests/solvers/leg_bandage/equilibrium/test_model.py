@@ -14,7 +14,7 @@ from surrogate_solvers.leg_bandage.equilibrium import loading, model
 from surrogate_solvers.leg_bandage.equilibrium.solution import NotConverged
 from surrogate_solvers.leg_bandage.geometry.landmarks import Disc
 from surrogate_solvers.leg_bandage.outputs import export, picture
-from surrogate_solvers.leg_bandage.outputs.outputs import MMHG, on_disc, pressure_map
+from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG, on_disc, pressure_map
 from surrogate_solvers.leg_bandage.plugin import INPUTS, LegBandage
 
 

@@ -7,7 +7,7 @@ Stiffness is the contact's, so that penetration costs 0.2 % at most.
 import numpy as np
 import pytest
 
-from surrogate_solvers.leg_bandage.outputs.outputs import MMHG
+from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG
 from surrogate_solvers.leg_bandage.verification.flat_patch import (
     MARGIN,
     SIDE,

@@ -1,4 +1,4 @@
-"""What is read off a solved model: pressures on the skin, stretch, slip, layers.
+"""Pressures on the skin, read from the contact forces between skin and bandage.
 
 The bandage is one sheet in (theta, z) when theta is counted on from turn to turn, so the
 place of every element midpoint on the skin is a smooth map of the strip's own coordinates.
@@ -9,119 +9,18 @@ per deformed area of skin. Units: mm, MPa inside, mmHg outside.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from surrogate.errors import SolverError
-from surrogate.solver import Output
-
 from ..equilibrium.model import Model, midpoints, skin_parameters
-from ..geometry.landmarks import MEDIAL, RULES, Disc, b1_height, extreme_girths
+from ..geometry.landmarks import Disc
 from ..geometry.leg import Leg
 from ..surfaces.projection import project, solve2
 from ..surfaces.surfaces import Skin, Strip, interpolate_strip
 
 MMHG = 1.33322e-4
 """MPa in one millimetre of mercury."""
-
-ANGLES = np.arange(0.0, 360.0, 5.0)
-HEIGHTS = np.round(np.arange(0.0, 1.001, 0.02), 2)
-
-
-def _mmhg(description: str, gaps: bool = False) -> Output:
-    return Output(unit="mmHg", description=description, gaps=gaps)
-
-
-OUTPUTS: Mapping[str, Output] = {
-    "pressure_b1": _mmhg(
-        "mean over the 50 mm sensor: on the medial side at B1, or as far from it "
-        "as sensor_around and sensor_up say"
-    ),
-    "pressure_field": Output(
-        unit="mmHg",
-        dims=("theta", "height"),
-        coordinates={"theta": ANGLES, "height": HEIGHTS},
-        description="interface pressure on the skin; theta in degrees from lateral (0) by "
-        "anterior (90) to medial (180), height over leg length",
-    ),
-    "pressure_b1_girth": _mmhg("the sensor at B1 itself by the girth rule"),
-    "pressure_b1_profile": _mmhg(
-        "the sensor at B1 itself by the paper's profile rule; NaN "
-        "where the profile has no such point",
-        gaps=True,
-    ),
-    "pressure_ankle": _mmhg("the sensor with its lower rim at the narrowest girth"),
-    "pressure_calf": _mmhg("the sensor at the widest girth, or as high as two layers reach"),
-    "sensor_variation": _mmhg("mean change of pressure_b1 when the sensor moves by 10 mm"),
-    "b1_height": Output(unit="mm", description="height of B1 above the ankle cut"),
-    "stretch_midline": Output(description="mean warp stretch of the midline, end turns left out"),
-    "stretch_top": Output(description="the same at the upper edge"),
-    "stretch_bottom": Output(description="the same at the lower edge"),
-    "slip_max": Output(unit="mm", description="farthest that the bandage slid on the skin"),
-    "slip_mean": Output(unit="mm", description="how far it slid on the skin, mean over the strip"),
-    "layers_b1": Output(description="layers of bandage over the sensor, mean"),
-    "turns": Output(description="turns of the bandage around the leg"),
-    "steps": Output(description="load steps taken"),
-    "iterations": Output(description="Newton iterations taken, those of steps undone included"),
-    "residual": Output(unit="MPa", description="traction that still moved the bandage at rest"),
-}
-
-
-def answers(
-    leg: Leg, model: Model, u: np.ndarray, rule: str, around: float = 0.0, up: float = 0.0
-) -> dict[str, float | np.ndarray]:
-    """The outputs of a solved model; leg is the undeformed one.
-
-    rule       for B1, where the sensor lies
-    around, up how far from there its centre is, mm along the skin
-    """
-    found, cost = pressure_map(model, u), model.problem.cost
-    z = b1_height(leg, rule)
-    _, ankle, _, calf = extreme_girths(leg)
-    highest = leg.length - model.wrap.pitch - 25.0
-    sensor = Disc(MEDIAL, z).moved(leg, around, up)
-    at_b1, layers = on_disc(found, leg, sensor)
-    circle = [on_disc(found, leg, sensor.moved(leg, *shift))[0] for shift in _circle(10.0)]
-    rows = inner_rows(model)
-
-    def pressed(height):
-        return on_disc(found, leg, Disc(MEDIAL, height))[0]
-
-    return {
-        "pressure_b1": at_b1,
-        "pressure_field": field(found, leg, np.radians(ANGLES), HEIGHTS),
-        **{f"pressure_b1_{name}": pressed(_height(leg, name)) for name in RULES},
-        "pressure_ankle": pressed(ankle + 25.0),
-        "pressure_calf": pressed(min(calf, highest)),
-        "sensor_variation": float(np.mean(np.abs(np.array(circle) - at_b1))),
-        "b1_height": z,
-        **{
-            f"stretch_{name}": float(values[rows].mean())
-            for name, values in stretches(model, u).items()
-        },
-        "slip_max": float(found.slip.max()),
-        "slip_mean": float(found.slip.mean()),
-        "layers_b1": layers,
-        "turns": (model.lay.theta[-1] - model.lay.theta[0]) / (2 * np.pi),
-        "steps": float(cost.steps),
-        "iterations": float(cost.iterations),
-        "residual": cost.rest,
-    }
-
-
-def _height(leg, rule):
-    try:
-        return b1_height(leg, rule)
-    except SolverError:
-        return np.nan
-
-
-def _circle(radius, places=8):
-    """Places (around, up) on a circle of `radius` mm."""
-    angle = 2 * np.pi * np.arange(places) / places
-    return list(zip(radius * np.cos(angle), radius * np.sin(angle), strict=True))
 
 
 @dataclass(frozen=True)
@@ -242,25 +141,3 @@ def _spline(values):
     for edge, one, two in ((0, 1, 2), (-1, -2, -3)):
         padded[:, edge] = 2 * padded[:, one] - padded[:, two]
     return interpolate_strip(padded).reshape(-1, 3)
-
-
-def stretches(model: Model, u: np.ndarray) -> dict[str, np.ndarray]:
-    """Warp stretch along the strip at the midline and both edges, {name: (ns,)}."""
-    ns, nw = model.strip.ns, model.strip.nw
-    rows = np.arange(ns) + 0.5
-    lines = {"bottom": 0.0, "midline": nw / 2, "top": float(nw)}
-    return {
-        name: model.shell.at(u, np.column_stack([rows, np.full(ns, w)])).warp_stretch
-        for name, w in lines.items()
-    }
-
-
-def inner_rows(model: Model) -> slice:
-    """Element rows that are at least half a turn away from both ends."""
-    angles = (model.lay.theta[1:] + model.lay.theta[:-1]) / 2
-    inside = np.flatnonzero(
-        (angles > model.lay.theta[0] + np.pi) & (angles < model.lay.theta[-1] - np.pi)
-    )
-    if not len(inside):
-        return slice(0, len(angles))
-    return slice(int(inside[0]), int(inside[-1]) + 1)
