@@ -52,12 +52,12 @@ class Points:
 
 @dataclass(frozen=True)
 class ContactState:
-    """Projection and anchor in surface parameters (n, 2), direction of friction (n, 3), held."""
+    """Projection and anchor in surface parameters (n, 2), direction of friction (n, 3), bonded."""
 
     xi: np.ndarray
     anchor: np.ndarray
     w: np.ndarray
-    held: bool = True
+    bonded: bool = True
 
 
 class Contact:
@@ -121,14 +121,14 @@ class Contact:
 
     # -- load steps --------------------------------------------------------------------
 
-    def hold(self):
+    def bond(self):
         """Make every point bilateral and sticking."""
-        self.current = replace(self.current, held=True)
+        self.current = replace(self.current, bonded=True)
 
-    def release(self, u):
-        """Let Coulomb's law act from the held state u on, with the friction it can give.
+    def slide(self, u):
+        """Let Coulomb's law act from the bonded state u on, with the friction it can give.
 
-        The anchors move so that each point keeps its held traction, or as much of it as
+        The anchors move so that each point keeps its bonded traction, or as much of it as
         mu p allows: phi(y) = min(|t| / (mu p), 1).
         """
         k = self._kinematics(self.X + u.reshape(-1, 3))
@@ -138,7 +138,7 @@ class Contact:
         slip = self.law.elastic_slip * (1 - np.sqrt(1 - share))
         scale = np.where(most > 0, slip / np.maximum(k["slip_size"], 1e-300), 0.0)
         scale = np.where(self.points.tied, 1.0, scale)
-        self.current = replace(self._anchored(k, scale), held=False)
+        self.current = replace(self._anchored(k, scale), bonded=False)
 
     def accept(self, u):
         """End of a load step: slip beyond the elastic slip moves the anchors.
@@ -146,7 +146,7 @@ class Contact:
         Returns the energy dissipated in this step, N mm; it is never negative.
         """
         k = self._kinematics(self.X + u.reshape(-1, 3))
-        stuck = self._held(self.current.held)
+        stuck = self._bonded(self.current.bonded)
         keep = np.where(stuck, 1.0, self.law.kept(k["slip_size"]))
         keep = np.where((k["p"] > 0) | stuck, keep, 0.0)
         lost = self.law.mu * k["p"] * k["slip_size"] * (1 - keep) * self.points.area
@@ -162,8 +162,8 @@ class Contact:
 
     # -- mechanics ---------------------------------------------------------------------
 
-    def _held(self, held):
-        return self.points.tied | held
+    def _bonded(self, bonded):
+        return self.points.tied | bonded
 
     def _anchored(self, k, share):
         """The state of kinematics k after anchors moved so that a share (n,) of slip is left.
@@ -183,12 +183,12 @@ class Contact:
         normal = np.cross(jet[:, 1], jet[:, 2])
         normal /= np.linalg.norm(normal, axis=1)[:, None]
         gap = np.einsum("pc,pc->p", d, normal) - self.offset
-        held = self._held(self.current.held)
-        p, slope = self.law.pressure(gap, held)
+        bonded = self._bonded(self.current.bonded)
+        p, slope = self.law.pressure(gap, bonded)
         shift = xi - self.current.anchor
         slip = np.einsum("pac,pa->pc", jet[:, 1:3], shift)
         return {
-            "xi": xi, "jet": jet, "d": d, "normal": normal, "gap": gap, "held": held,
+            "xi": xi, "jet": jet, "d": d, "normal": normal, "gap": gap, "bonded": bonded,
             "p": p, "slope": slope, "shift": shift, "slip": slip,
             "slip_size": np.linalg.norm(slip, axis=1),
         }  # fmt: skip
@@ -196,13 +196,13 @@ class Contact:
     def _traction(self, k):
         """Traction F = p n - grip s (n, 3) on the bandage, and grip (n,), MPa/mm."""
         psi, _ = self.law.friction_factor(k["slip_size"])
-        grip = np.where(k["held"], self.law.penalty, self.law.mu * k["p"] * psi)
+        grip = np.where(k["bonded"], self.law.penalty, self.law.mu * k["p"] * psi)
         return k["p"][:, None] * k["normal"] - grip[:, None] * k["slip"], grip
 
     def _tangent(self, k, force, grip):
         """The 9 x 9 tangent of the virtual work of F, (n, 9, 9), and dslip (n, 3, 9)."""
         jet, n, d, p, s = k["jet"], k["normal"], k["d"], k["p"], k["slip"]
-        held, size, count = k["held"], k["slip_size"], len(n)
+        bonded, size, count = k["bonded"], k["slip_size"], len(n)
         # rows of dxi: (n, 2, 9) on (dx - dy, dy_1, dy_2)
         rhs = np.zeros((count, 2, 9))
         rhs[:, :, :3] = jet[:, 1:3]
@@ -223,8 +223,8 @@ class Contact:
         ds += np.einsum("pac,paj->pcj", jet[:, 1:3], dxi)
 
         psi, bend = self.law.friction_factor(size)
-        loosen = np.where(held, 0.0, self.law.mu * p * bend / psi / np.maximum(size, 1e-30))
-        w = np.where(held[:, None], 0.0, self.current.w)
+        loosen = np.where(bonded, 0.0, self.law.mu * p * bend / psi / np.maximum(size, 1e-30))
+        w = np.where(bonded[:, None], 0.0, self.current.w)
         dF = np.einsum("pc,pj->pcj", n - self.law.mu * w, dp)
         dF += p[:, None, None] * dn - grip[:, None, None] * ds
         along = np.einsum("pc,pcj->pj", s, ds)

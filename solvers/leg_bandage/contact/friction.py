@@ -7,7 +7,7 @@ Pressure is a penalty with a smooth start, friction the smooth elastic-slip law 
          = 0                        g > d                    = 1           y >= 1
 
 g gap in mm, s slip from the anchor in mm, e the elastic slip (Wriggers 2006, ch. 5,
-with a C1 transition instead of a kink). A held point is bilateral and sticks: p = -eps g,
+with a C1 transition instead of a kink). A bonded point is bilateral and sticks: p = -eps g,
 t = -eps s.
 """
 
@@ -27,15 +27,15 @@ class ContactLaw:
     ramp: float = 0.1
     elastic_slip: float = 0.05
 
-    def pressure(self, gap, held):
+    def pressure(self, gap, bonded):
         """Pressure and its slope dp/dg, MPa and MPa/mm, shape of `gap`."""
         d = self.ramp
         inside = np.clip(d - gap, 0.0, 2 * d)
         p = self.penalty * np.where(gap < -d, -gap, inside**2 / (4 * d))
         slope = -self.penalty * np.where(gap < -d, 1.0, inside / (2 * d))
         return (
-            np.where(held, -self.penalty * gap, p),
-            np.where(held, -self.penalty, slope),
+            np.where(bonded, -self.penalty * gap, p),
+            np.where(bonded, -self.penalty, slope),
         )
 
     def friction_factor(self, slip):

@@ -1,9 +1,9 @@
-"""The way to equilibrium: lay, hold, release.
+"""The way to equilibrium: lay, bond, slide.
 
-HOLD     contacts bilateral and sticking, the whole tension at once
-RELEASE  unilateral contact and Coulomb friction; the bandage moves until it rests
+BOND   contacts bilateral and sticking, the whole tension at once
+SLIDE  unilateral contact and Coulomb friction; the bandage moves until it rests
 
-In mode `progressive` the bandage is held turn by turn, each turn laid on the leg as the
+In mode `progressive` the bandage is bonded turn by turn, each turn laid on the leg as the
 turns before have deformed it.
 """
 
@@ -17,19 +17,19 @@ from .model import Model
 from .solution import NotConverged, pseudo_transient
 
 FIRST_VISCOSITY = 2e-3
-HELD_VISCOSITY = 2e-2, 1e-3
-"""MPa/mm, of the release, and first and last while held, should one step not do."""
+BONDED_VISCOSITY = 2e-2, 1e-3
+"""MPa/mm, of sliding, and first and last while bonded, should one step not do."""
 
 
-def hold(model: Model, u: np.ndarray) -> np.ndarray:
+def bond(model: Model, u: np.ndarray) -> np.ndarray:
     """Equilibrium with all contacts stuck, from u; raises SolverError.
 
     When that is too far for one step the bandage moves towards it; what is then left of
-    the way is left to the release.
+    the way is left to sliding.
     """
     problem = model.problem
     for contact in problem.contacts:
-        contact.hold()
+        contact.bond()
     problem.viscosity.coefficient = 0.0
     state = problem.state()
     try:
@@ -40,27 +40,27 @@ def hold(model: Model, u: np.ndarray) -> np.ndarray:
         problem.restore(state)
         problem.cost.cut_backs += 1
     try:
-        return pseudo_transient(problem, u, HELD_VISCOSITY[0], until=HELD_VISCOSITY[1])[0]
+        return pseudo_transient(problem, u, BONDED_VISCOSITY[0], until=BONDED_VISCOSITY[1])[0]
     except NotConverged as failure:
-        raise _failed(model, "holding the bandage as laid", failure) from failure
+        raise _failed(model, "bonding the bandage as laid", failure) from failure
 
 
-def release(model: Model, u: np.ndarray, watch=None) -> np.ndarray:
-    """Let go of the held bandage and follow it to rest; raises SolverError."""
+def slide(model: Model, u: np.ndarray, watch=None) -> np.ndarray:
+    """Let the bonded bandage slide and follow it to rest; raises SolverError."""
     for contact in model.problem.contacts:
-        contact.release(u)
+        contact.slide(u)
     try:
         u, model.problem.cost.rest = pseudo_transient(
             model.problem, u, FIRST_VISCOSITY, watch=watch
         )
     except NotConverged as failure:
-        raise _failed(model, "releasing the bandage", failure) from failure
+        raise _failed(model, "sliding to rest", failure) from failure
     return u
 
 
 def solve(model: Model, watch=None) -> np.ndarray:
     """Displacements (ndof,) of the bandaged leg at rest."""
-    return release(model, hold(model, np.zeros(model.ndof)), watch)
+    return slide(model, bond(model, np.zeros(model.ndof)), watch)
 
 
 def _failed(model, stage, failure):

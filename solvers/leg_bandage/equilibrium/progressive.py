@@ -1,7 +1,7 @@
 """Wrapping turn by turn on the leg as the turns before have deformed it.
 
-Each turn is laid on the deformed skin, on top of the turns before, held, and brought to
-equilibrium; only the whole bandage is then released. The rows of elements keep their
+Each turn is laid on the deformed skin, on top of the turns before, bonded, and brought to
+equilibrium; only the whole bandage then slides. The rows of elements keep their
 rest length, so on a leg that has given way the same bandage goes a little farther round.
 """
 
@@ -17,7 +17,7 @@ from ..surfaces.surfaces import Skin
 from ..tissue.mesh import LegMesh
 from ..wrapping.lay import Lay, lay_rows
 from ..wrapping.spiral import Wrap, midline_arc
-from .loading import hold, release
+from .loading import bond, slide
 from .model import Model, build, skin_parameters
 
 
@@ -40,7 +40,7 @@ def deformed_skin(mesh: LegMesh, u: np.ndarray):
 def wrap_and_solve(
     mesh: LegMesh, laid: Lay, wrap: Wrap, watch=None, **more
 ) -> tuple[Model, np.ndarray]:
-    """Wrap on the deforming leg and release; returns the model and u (ndof,).
+    """Wrap on the deforming leg and let slide; returns the model and u (ndof,).
 
     laid is the lay on the undeformed leg: it gives the rows and their rest length.
     more is what `build` takes besides mesh, lay and wrap. Raises SolverError.
@@ -58,9 +58,9 @@ def wrap_and_solve(
             kept = mesh.n_dofs + 3 * (_kept_rows(before) + 2) * (laid.strip.nw + 2)
             start[:kept] = u[:kept]
             _carry_on(model, before, start)
-        u = hold(model, start)
+        u = bond(model, start)
         surface = deformed_skin(mesh, u[: mesh.n_dofs])
-    return model, release(model, u, watch)
+    return model, slide(model, u, watch)
 
 
 def _rows_after_each_turn(laid: Lay) -> list[int]:

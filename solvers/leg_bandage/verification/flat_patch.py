@@ -110,7 +110,7 @@ def press(
         tolerances=Tolerances(force=1e-8),
     )
     u, _ = problem.newton(np.zeros(X.size))
-    contact.release(u)
+    contact.slide(u)
     u, _ = problem.newton(u)
     inside = (slice(MARGIN, -MARGIN),) * 2
     return Patch(

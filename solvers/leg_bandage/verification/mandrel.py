@@ -51,11 +51,11 @@ class Wound:
     layers: Contact | None
     problem: Problem
 
-    def let_go(self, u=None, viscosity=5e-3):
-        """Release from the lay (or from u) and follow the bandage to rest: u (ndof,)."""
+    def slide_to_rest(self, u=None, viscosity=5e-3):
+        """Slide from the lay (or from u) and follow the bandage to rest: u (ndof,)."""
         u = np.zeros(self.X.size) if u is None else u
         for contact in self.problem.contacts:
-            contact.release(u)
+            contact.slide(u)
         return pseudo_transient(self.problem, u, viscosity)[0]
 
 

@@ -38,7 +38,7 @@ class Pressed(NamedTuple):
 def band_on_cylinder(tension: float, r: float = 45.0, width: float = 20.0) -> Pressed:
     """V2: one layer on a rigid cylinder; exact: Laplace's law T / r."""
     ring = wind(Mandrel(r, r), ring_wrap(width), limp(tension), ContactLaw(0.0), 48, 4, ring=True)
-    u = ring.let_go()
+    u = ring.slide_to_rest()
     p = ring.skin.report(u)["p"]
     force = np.sum(p * ring.skin.points.area)
     return Pressed(float(force / (2 * np.pi * r * width) / MMHG), float(p.std() / p.mean()))
@@ -59,7 +59,7 @@ def spiral_on_cylinder(per_turn: int = 44) -> float:
         20,
         between=ContactLaw(0.6),
     )
-    u = spiral.let_go()
+    u = spiral.slide_to_rest()
     row = spiral.skin.points.nodes[:, 0] // 22
     turn = (row >= 1.5 * per_turn) & (row < 2.5 * per_turn)
     force = np.sum((spiral.skin.report(u)["p"] * spiral.skin.points.area)[turn])
@@ -93,7 +93,7 @@ class String(NamedTuple):
 def string_on_ellipse(a: float, b: float) -> String:
     """V5: exact are a uniform tension T and p = T kappa at every point."""
     ring = wind(Mandrel(a, b), ring_wrap(10), limp(0.098), ContactLaw(0.0), 96, 2, ring=True)
-    u = ring.let_go()
+    u = ring.slide_to_rest()
     report = ring.skin.report(u)
     middle = np.column_stack([np.arange(96) + 0.5, np.ones(96)])
     tension = ring.shell.fabric.tension(ring.shell.at(u, middle).warp_stretch)
@@ -112,7 +112,7 @@ def capstan(mu: float) -> float:
         Mandrel(40, 40), Wrap(0, 1e-9, 2e-9, 1.1, 10, 1e-3), limp(0.098), ContactLaw(mu), 60, 2
     )
     problem, u = rope.problem, np.zeros(rope.X.size)
-    rope.skin.release(u)
+    rope.skin.slide(u)
     last = np.arange(rope.strip.size).reshape(62, 4)[-2:].ravel()
     for angle in 0.03 * np.arange(1, 13):
         c, s = np.cos(angle), np.sin(angle)
@@ -146,7 +146,7 @@ def slide_down_cone(alpha: float, share: float, tension: float, radius: float) -
         tolerances=limits,
     )
     u = np.zeros(hoop.X.size)
-    hoop.skin.release(u)
+    hoop.skin.slide(u)
     for _ in range(8):
         hoop.problem.viscosity.coefficient, hoop.problem.viscosity.origin = 1e-4, u
         u, _ = hoop.problem.newton(u)
@@ -193,7 +193,7 @@ def band_on_soft_tube(K1: float) -> OnTube:
     cloth = replace(limp(0.3 * K1), F1=0.01, F2=0.01, tau12=0.01)
     ring, _ = ring_on_tube(mesh, cloth, 0.005, 14.3, ContactLaw(0.2), 44, 5)
     start, _ = ring.problem.newton(np.zeros(ring.X.size))
-    u = ring.let_go(start)
+    u = ring.slide_to_rest(start)
     field = ring.shell.at(u, np.column_stack([np.arange(44) + 0.5, np.full(44, 2.5)]))
     skin = (ring.X + u.reshape(-1, 3))[mesh.skin[:, 2]]
     radius = float(np.linalg.norm(skin[:, :2], axis=1).mean())

@@ -56,14 +56,14 @@ def patch_on_tube(seed, tied=False):
     return Contact(points, skin, X, xi, distance + np.linspace(-0.08, 0.1, n), LAW), rng
 
 
-@pytest.mark.parametrize("held", [True, False])
-def test_tangent_is_the_derivative_of_the_residual(held):
+@pytest.mark.parametrize("bonded", [True, False])
+def test_tangent_is_the_derivative_of_the_residual(bonded):
     """V11: central differences of the residual agree with the tangent to 1e-6.
 
     Positions, slips (beyond and below the elastic slip) and gaps (open, ramp, closed) vary.
     """
     contact, rng = patch_on_tube(3)
-    contact.current = replace(contact.current, held=held)
+    contact.current = replace(contact.current, bonded=bonded)
     ndof = 3 * len(contact.X)
     u = rng.normal(0, 0.04, ndof)
     contact.linearise(u)[1]()
@@ -78,7 +78,7 @@ def test_tangent_is_the_derivative_of_the_residual(held):
     numeric = (plus - minus) / (2 * step)
     report = contact.report(u)
     assert (report["p"] > 0).any()
-    if not held:
+    if not bonded:
         assert (report["p"] == 0).any() and (report["slip_size"] > 0.05).any()
     assert np.abs(K @ direction - numeric).max() < 1e-6 * np.abs(numeric).max()
 
@@ -90,7 +90,7 @@ def test_forces_and_moments_balance():
     normal, so only friction leaves a moment, t x d, which is included here.
     """
     contact, rng = patch_on_tube(5)
-    contact.current = replace(contact.current, held=False)
+    contact.current = replace(contact.current, bonded=False)
     u = rng.normal(0, 0.03, 3 * len(contact.X))
     residual, _ = contact.linearise(u)
     force = residual.reshape(-1, 3)
@@ -106,7 +106,7 @@ def test_forces_and_moments_balance():
 def test_dissipation_is_never_negative_and_anchor_follows():
     """V11: friction takes energy out; after accepting, the elastic slip is at most e."""
     contact, rng = patch_on_tube(7)
-    contact.current = replace(contact.current, held=False)
+    contact.current = replace(contact.current, bonded=False)
     u = np.zeros(3 * len(contact.X))
     for _ in range(5):
         u = u + rng.normal(0, 0.05, u.size)
@@ -194,7 +194,7 @@ def block(angle_deg, pull):
     plane = Plane((0, 0, 0), tuple(turn[:, 0]), tuple(turn[:, 1]))
     points = Points(np.array([[0]]), np.ones((1, 1)), np.ones(1), np.array([False]))
     contact = Contact(points, plane, np.zeros((1, 3)), np.zeros((1, 2)), [0.0], LAW)
-    contact.current = replace(contact.current, held=False)
+    contact.current = replace(contact.current, bonded=False)
     u = turn @ np.array([*pull, -0.4])
     residual, _ = contact.linearise(u)
     return turn.T @ residual
@@ -218,12 +218,12 @@ def test_sliding_block(angle):
 
 
 def test_release_keeps_the_traction_that_friction_can_give():
-    """From held to Coulomb: tractions below mu p stay, the others become mu p."""
+    """From bonded to Coulomb: tractions below mu p stay, the others become mu p."""
     contact, rng = patch_on_tube(11)
-    contact.current = replace(contact.current, held=True)
+    contact.current = replace(contact.current, bonded=True)
     u = rng.normal(0, 0.02, 3 * len(contact.X))
     before = contact.report(u)
-    contact.release(u)
+    contact.slide(u)
     after = contact.report(u)
     tangent = [r["traction"] - r["p"][:, None] * r["normal"] for r in (before, after)]
     asked, got = (np.linalg.norm(t, axis=1) for t in tangent)

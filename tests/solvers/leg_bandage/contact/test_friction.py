@@ -11,7 +11,7 @@ LAW = ContactLaw(mu=0.2, penalty=0.15, ramp=0.1, elastic_slip=0.05)
 def test_pressure_is_a_penalty_with_a_smooth_start():
     """p = eps (-g) below -d, 0 above d, eps d / 4 at 0; dp/dg is its derivative."""
     gap = np.array([-0.3, -0.1, 0.0, 0.1, 0.4])
-    p, _ = LAW.pressure(gap, held=np.zeros(5, bool))
+    p, _ = LAW.pressure(gap, bonded=np.zeros(5, bool))
     assert p == pytest.approx([0.045, 0.015, 0.15 * 0.1 / 4, 0.0, 0.0])
     g = np.linspace(-0.3, 0.3, 101) + 1e-4
     up, _ = LAW.pressure(g + 1e-7, np.zeros(101, bool))

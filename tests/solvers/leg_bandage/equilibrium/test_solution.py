@@ -21,7 +21,7 @@ from surrogate_solvers.leg_bandage.verification.mandrel import ring_wrap, wind
 
 @pytest.fixture
 def ring():
-    """A band on an elliptic cylinder, released but not yet in equilibrium."""
+    """A band on an elliptic cylinder, free to slide but not yet in equilibrium."""
     wound = wind(
         Mandrel(50, 44),
         ring_wrap(20),
@@ -32,7 +32,7 @@ def ring():
         ring=True,
         tolerances=Tolerances(force=1e-9, passing=1e-9),
     )
-    wound.skin.release(np.zeros(wound.X.size))
+    wound.skin.slide(np.zeros(wound.X.size))
     return wound
 
 
