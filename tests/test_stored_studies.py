@@ -10,7 +10,7 @@ from surrogate import Study
 from surrogate.runs.dataset import call_and_answer
 from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
-from surrogate_solvers.leg_bandage.prediction import Reduced, predict_pressure, wear
+from surrogate_solvers.leg_bandage.prediction import Reduced, choose_bandage, predict_pressure
 from surrogate_solvers.leg_bandage.prediction.shape import both_ways
 
 ROOT = Path(__file__).parent.parent
@@ -78,7 +78,9 @@ def test_a_persons_interval_holds_what_finite_elements_give():
         own, modes = both_ways(number)
         alphas = shipped_basis().project(legs.snapshots()[:, number])
         scan = SimpleNamespace(scanned=own, leg=modes, length=legs.length[number], alphas=alphas)
-        told = predict_pressure(scan, wear(inputs["bandage"], mu_skin=inputs["mu_skin"]), reduced)
+        told = predict_pressure(
+            scan, choose_bandage(inputs["bandage"], mu_skin=inputs["mu_skin"]), reduced
+        )
         if not told.extrapolates:
             inside.append(told.low <= outputs["pressure_b1"] <= told.high)
             errors.append(told.value / outputs["pressure_b1"] - 1)

@@ -24,12 +24,12 @@ from .bandage.products import BANDAGES
 from .geometry.basis import fit_basis, shipped_basis
 from .geometry.cohort import write_cohort
 from .prediction import (
+    BandageChoiceError,
     Prediction,
     Reduced,
-    WearError,
+    choose_bandage,
     predict_pressure,
     summary,
-    wear,
 )
 from .prediction.page import person_page
 from .scan import FittedScan, ScanError, fit_scan
@@ -156,13 +156,15 @@ def predict_verb(
 ) -> None:
     """Predict the pressure under a bandage on the leg of a scan, with its interval."""
     _reachable(html)
-    worn = wear(bandage, tension, stretch, mu_skin)
+    choice = choose_bandage(bandage, tension, stretch, mu_skin)
     if mesh is not None and not solve:
-        raise WearError(f"--mesh {mesh} is that of the model which --solve runs; add --solve")
+        raise BandageChoiceError(
+            f"--mesh {mesh} is that of the model which --solve runs; add --solve"
+        )
     reduced = Reduced.read(study)
     with threadpool_limits(1):  # its matrices are small
         fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends)
-    told = predict_pressure(fitted, worn, reduced, (mesh or "coarse") if solve else None)
+    told = predict_pressure(fitted, choice, reduced, (mesh or "coarse") if solve else None)
     if html is not None:
         html.write_text(person_page(told), encoding="utf-8")
     if as_json:
@@ -263,7 +265,7 @@ def _show_prediction(told: Prediction, console: Console) -> None:
     def say(words: str) -> None:
         console.print(words, highlight=False, markup=False, soft_wrap=True)
 
-    say(f"{told.scan.side} leg; {summary.worn_words(told)}\n")
+    say(f"{told.scan.side} leg; {summary.choice_words(told)}\n")
     console.print(_table(("leg", "value", "runs", ""), summary.coordinate_rows(told)))
     say("")
     console.print(_table(("pressure at B1", "mmHg", "95 % interval", "on"), summary.answers(told)))
@@ -349,7 +351,7 @@ def main() -> None:
     """Run the command; people's mistakes end in sentences, never in a traceback."""
     try:
         app()
-    except (ScanError, WearError, StudyError) as error:
+    except (ScanError, BandageChoiceError, StudyError) as error:
         _stop(error, 2)
     except KeyboardInterrupt:
         _stop("interrupted", 130)

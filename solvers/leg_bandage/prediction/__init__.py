@@ -3,8 +3,15 @@
 An application on top of the solvers and the study layer; no solver knows it.
 """
 
-from .bandage_choice import Wear, WearError, wear
+from .bandage_choice import BandageChoice, BandageChoiceError, choose_bandage
 from .prediction import Prediction, predict_pressure
 from .reduced import Reduced
 
-__all__ = ["Prediction", "Reduced", "Wear", "WearError", "predict_pressure", "wear"]
+__all__ = [
+    "Prediction",
+    "Reduced",
+    "BandageChoice",
+    "BandageChoiceError",
+    "predict_pressure",
+    "choose_bandage",
+]

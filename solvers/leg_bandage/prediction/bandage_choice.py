@@ -1,4 +1,4 @@
-"""What a person wears: a bandage, how far it is stretched, how it grips the skin."""
+"""Which bandage a person wears: a bandage, how far it is stretched, how it grips the skin."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ MU_RANGE = (0.1, 0.3)
 2018, Table II)."""
 
 
-class WearError(SurrogateError):
+class BandageChoiceError(SurrogateError):
     """A bandage, stretch or friction that cannot be."""
 
 
 @dataclass(frozen=True)
-class Wear:
-    """A bandage as worn.
+class BandageChoice:
+    """A bandage as it is worn.
 
     bandage   its name; None when only its tension is known
     tension   N/mm, of the bandage per unit of its width, at the nominal stretch of 1.3
@@ -49,18 +49,18 @@ class Wear:
         return self.constant * (self.stretch - 1)
 
 
-def wear(
+def choose_bandage(
     bandage: str | None = None,
     tension: float | None = None,
     stretch: float = STRETCH,
     mu_skin: float | None = None,
-) -> Wear:
-    """A named bandage, or one of this tension at stretch 1.3; raises WearError.
+) -> BandageChoice:
+    """A named bandage, or one of this tension at stretch 1.3; raises BandageChoiceError.
 
     mu_skin: None for unknown, 0.2 with a range of 0.1 to 0.3.
     """
     if (bandage is None) == (tension is None):
-        raise WearError(
+        raise BandageChoiceError(
             "give either --bandage NAME or --tension N/MM, the bandage's tension per "
             f"width at stretch 1.3; bandages: {', '.join(sorted(BANDAGES))}"
         )
@@ -69,7 +69,7 @@ def wear(
     _check("stretch", stretch, "it is length over rest length: 30 % of extension are 1.3")
     if mu_skin is not None:
         _check("mu_skin", mu_skin, "skin under a bandage has 0.1 to 0.3")
-    return Wear(
+    return BandageChoice(
         bandage,
         float(found),
         float(stretch),
@@ -81,7 +81,7 @@ def wear(
 def _tension_of(name: str) -> float:
     """N/mm at stretch 1.3 of a named bandage."""
     if name not in BANDAGES:
-        raise WearError(
+        raise BandageChoiceError(
             f"bandage {name!r} is unknown; {nearest(name, BANDAGES)}; or give its "
             "tension at stretch 1.3 by --tension"
         )
@@ -91,4 +91,4 @@ def _tension_of(name: str) -> float:
 def _check(name: str, value: float, cure: str) -> None:
     low, high = INPUTS[name].range
     if not low <= value <= high:
-        raise WearError(f"{name}: {value:g} is not between {low:g} and {high:g}; {cure}")
+        raise BandageChoiceError(f"{name}: {value:g} is not between {low:g} and {high:g}; {cure}")

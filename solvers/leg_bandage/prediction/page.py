@@ -32,7 +32,7 @@ def person_page(told: Prediction) -> str:
         __package__,
         "prediction.html",
         told=told,
-        worn=summary.worn_words(told),
+        choice=summary.choice_words(told),
         answers=summary.answers(told),
         parts=summary.parts(told),
         coordinates=summary.coordinate_rows(told),

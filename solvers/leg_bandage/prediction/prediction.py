@@ -18,7 +18,7 @@ from ..bandage.products import STRETCH
 from ..geometry.leg import Leg
 from ..plugin import LegBandage
 from ..scan import FittedScan
-from .bandage_choice import Wear
+from .bandage_choice import BandageChoice
 from .interval import Part, joined, parts_of
 from .reduced import Reduced
 from .shape import by_laplace_if_it_can, shape_law
@@ -64,7 +64,7 @@ class Prediction:
     """
 
     scan: FittedScan
-    worn: Wear
+    choice: BandageChoice
     reduced: Reduced
     value: float
     low: float
@@ -96,23 +96,23 @@ class Prediction:
 
 
 def predict_pressure(
-    scan: FittedScan, worn: Wear, reduced: Reduced, mesh: str | None = None
+    scan: FittedScan, choice: BandageChoice, reduced: Reduced, mesh: str | None = None
 ) -> Prediction:
     """The pressure at B1; mesh: of the finite element model to solve beside, None for none."""
-    inputs = reduced.inputs(coordinates(scan), worn)
+    inputs = reduced.inputs(coordinates(scan), choice)
     laplace = {
-        name: by_laplace_if_it_can(leg, worn.effective_tension)
+        name: by_laplace_if_it_can(leg, choice.effective_tension)
         for name, leg in (("scanned", scan.scanned), ("fitted", scan.leg))
     }
     factor = shape_law().factor(laplace)
     on_modes = float(reduced.at_b1.predict(reduced.coded(inputs))[0])
     value = on_modes if factor is None else factor * on_modes
-    parts = parts_of(reduced, inputs, factor, worn.mu_range)
+    parts = parts_of(reduced, inputs, factor, choice.mu_range)
     outside = reduced.outside(inputs)
-    solved, unsolved = _solved(scan.scanned, worn, mesh)
+    solved, unsolved = _solved(scan.scanned, choice, mesh)
     return Prediction(
         scan,
-        worn,
+        choice,
         reduced,
         value,
         *joined(value, parts),
@@ -135,12 +135,12 @@ def coordinates(scan: FittedScan) -> dict[str, float]:
     }
 
 
-def solve_on(leg: Leg, worn: Wear, mesh: str) -> Solved:
+def solve_on(leg: Leg, choice: BandageChoice, mesh: str) -> Solved:
     """The finite element model on the sections of this leg."""
     start = time.perf_counter()
     values = (
         LegBandage(mesh=mesh)
-        .run(leg=leg, tension=worn.tension, stretch=worn.stretch, mu_skin=worn.mu_skin)
+        .run(leg=leg, tension=choice.tension, stretch=choice.stretch, mu_skin=choice.mu_skin)
         .values
     )
     grid = LegBandage.outputs["pressure_field"].coordinates
@@ -152,17 +152,17 @@ def solve_on(leg: Leg, worn: Wear, mesh: str) -> Solved:
     )
 
 
-def _solved(leg: Leg, worn: Wear, mesh: str | None) -> tuple[Solved | None, str]:
+def _solved(leg: Leg, choice: BandageChoice, mesh: str | None) -> tuple[Solved | None, str]:
     if mesh is None:
         return None, ""
     try:
-        return solve_on(leg, worn, mesh), ""
+        return solve_on(leg, choice, mesh), ""
     except SolverError as error:
         return None, str(error)
 
 
 def _notes(told: Prediction) -> Iterator[str]:
-    worn = told.worn
+    choice = told.choice
     if told.outside:
         yield (
             f"The reduced model extrapolates: {_beyond(told.outside)}. Chassagne et al. 2018 "
@@ -181,19 +181,19 @@ def _notes(told: Prediction) -> Iterator[str]:
             f"modes, to the power {shape_law().exponent:.2f}, which finite elements on "
             "validation legs gave."
         )
-    if worn.mu_range is None:
-        yield f"mu_skin {worn.mu_skin:g} is taken as known: the interval has no part for it."
-    if worn.stretch != STRETCH and "stretch" not in told.inputs:
+    if choice.mu_range is None:
+        yield f"mu_skin {choice.mu_skin:g} is taken as known: the interval has no part for it."
+    if choice.stretch != STRETCH and "stretch" not in told.inputs:
         yield (
-            f"The runs are at stretch {STRETCH:g}. Stretch {worn.stretch:g} reaches them as "
-            f"the tension K1 (stretch - 1) = {worn.effective_tension:.4f} N/mm, K1 = "
-            f"{worn.constant:.4f} N/mm (Chassagne et al. 2018, equation 10): a straight line "
+            f"The runs are at stretch {STRETCH:g}. Stretch {choice.stretch:g} reaches them as "
+            f"the tension K1 (stretch - 1) = {choice.effective_tension:.4f} N/mm, K1 = "
+            f"{choice.constant:.4f} N/mm (Chassagne et al. 2018, equation 10): a straight line "
             f"for the bandage, and a loss of stretch on the leg as at {STRETCH:g}."
         )
     if told.solved:
         yield (
             "The finite element value is one run on the scan's own sections, with mu_skin "
-            f"{worn.mu_skin:g}: it has no interval of its own."
+            f"{choice.mu_skin:g}: it has no interval of its own."
         )
     if told.unsolved:
         yield f"The finite element model has no answer for this leg: {told.unsolved}."

@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 import surrogate
 from surrogate.errors import ResultsError, StudyError, nearest
 
-from .bandage_choice import Wear
+from .bandage_choice import BandageChoice
 
 SHIPPED = Path(__file__).parents[1] / "data" / "pressure.yaml"
 AT_B1, FIELD = "at_b1", "field"
@@ -109,7 +109,7 @@ class Reduced:
             )
         return fits[name][output]
 
-    def inputs(self, leg: Mapping[str, float], worn: Wear) -> dict[str, float | str]:
+    def inputs(self, leg: Mapping[str, float], choice: BandageChoice) -> dict[str, float | str]:
         """Values of the study's parameters for a leg (leg_length, alpha1 ...) under a bandage.
 
         A study that does not vary the stretch was run at 1.3: another stretch reaches it as
@@ -118,9 +118,9 @@ class Reduced:
         varies_stretch = "stretch" in self.names
         known = {
             **leg,
-            "mu_skin": worn.mu_skin,
-            "stretch": worn.stretch,
-            "tension": worn.tension if varies_stretch else worn.effective_tension,
+            "mu_skin": choice.mu_skin,
+            "stretch": choice.stretch,
+            "tension": choice.tension if varies_stretch else choice.effective_tension,
         }
         solver = self.study.spec.solver.inputs
         values = {name: known.get(name, solver[name].nominal) for name in self.names}

@@ -20,9 +20,9 @@ def figures(told: Prediction) -> dict[str, Any]:
     return {
         "scan": scan_figures(told.scan),
         "bandage": {
-            **asdict(told.worn),
-            "K1": told.worn.constant,
-            "effective_tension": told.worn.effective_tension,
+            **asdict(told.choice),
+            "K1": told.choice.constant,
+            "effective_tension": told.choice.effective_tension,
         },
         "pressure_b1": {
             "value": told.value,
@@ -107,13 +107,13 @@ def coordinate_rows(told: Prediction) -> list[Row]:
     return rows
 
 
-def worn_words(told: Prediction) -> str:
+def choice_words(told: Prediction) -> str:
     """The bandage in a line."""
-    worn = told.worn
-    words = f"{worn.bandage or 'bandage'} of {worn.tension:.4g} N/mm at stretch {STRETCH:g}"
-    if worn.stretch != STRETCH:
-        words += f", laid at stretch {worn.stretch:g}: {worn.effective_tension:.4g} N/mm"
-    words += f"; two layers; mu_skin {worn.mu_skin:g}"
-    if worn.mu_range is not None:
-        words += " (not known: {:g} to {:g})".format(*worn.mu_range)
+    choice = told.choice
+    words = f"{choice.bandage or 'bandage'} of {choice.tension:.4g} N/mm at stretch {STRETCH:g}"
+    if choice.stretch != STRETCH:
+        words += f", laid at stretch {choice.stretch:g}: {choice.effective_tension:.4g} N/mm"
+    words += f"; two layers; mu_skin {choice.mu_skin:g}"
+    if choice.mu_range is not None:
+        words += " (not known: {:g} to {:g})".format(*choice.mu_range)
     return words

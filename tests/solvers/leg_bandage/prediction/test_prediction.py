@@ -18,13 +18,13 @@ from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
 from surrogate_solvers.leg_bandage.geometry.landmarks import sensor
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
 from surrogate_solvers.leg_bandage.prediction import (
+    BandageChoiceError,
     Reduced,
-    WearError,
+    choose_bandage,
     interval,
     predict_pressure,
     shape,
     surface,
-    wear,
 )
 from surrogate_solvers.leg_bandage.prediction.page import person_page
 from surrogate_solvers.leg_bandage.prediction.prediction import Skin, Solved
@@ -101,13 +101,13 @@ def scan(scan_file):
 
 @pytest.fixture(scope="module")
 def told(scan, study):
-    return predict_pressure(scan, wear("biflex_16", stretch=1.25), Reduced.read(study))
+    return predict_pressure(scan, choose_bandage("biflex_16", stretch=1.25), Reduced.read(study))
 
 
 def test_value_is_the_solvers_own(told, scan):
     """A linear surrogate of a linear solver is exact; T = T(1.3) / 0.3 (stretch - 1), eq. 10."""
-    tension = told.worn.tension * 0.25 / 0.3
-    assert told.worn.effective_tension == pytest.approx(tension)
+    tension = told.choice.tension * 0.25 / 0.3
+    assert told.choice.effective_tension == pytest.approx(tension)
     assert told.on_modes == pytest.approx(answer(scan.leg, tension), abs=1e-6)
     assert not told.extrapolates
     assert any("stretch 1.3. Stretch 1.25" in note for note in told.notes)
@@ -138,7 +138,7 @@ def test_leg_that_laplace_cannot_answer_is_not_corrected(scan, study, monkeypatc
         "surrogate_solvers.leg_bandage.prediction.prediction.by_laplace_if_it_can",
         lambda leg, tension: None,
     )
-    found = predict_pressure(scan, wear(tension=0.1), Reduced.read(study))
+    found = predict_pressure(scan, choose_bandage(tension=0.1), Reduced.read(study))
     assert found.factor is None and found.value == found.on_modes
     part = next(part for part in found.parts if part.name == "leg shape")
     assert part.high == pytest.approx(shape.shape_law().error(corrected=False) * found.value)
@@ -146,9 +146,9 @@ def test_leg_that_laplace_cannot_answer_is_not_corrected(scan, study, monkeypatc
 
 
 def test_known_friction_leaves_its_part_out(scan, study):
-    found = predict_pressure(scan, wear("biflex_16", mu_skin=0.15), Reduced.read(study))
+    found = predict_pressure(scan, choose_bandage("biflex_16", mu_skin=0.15), Reduced.read(study))
     assert [part.name for part in found.parts] == ["surrogate", "leg shape"]
-    assert found.on_modes == pytest.approx(answer(scan.leg, found.worn.tension, 0.15), abs=1e-6)
+    assert found.on_modes == pytest.approx(answer(scan.leg, found.choice.tension, 0.15), abs=1e-6)
 
 
 def test_friction_that_never_lowers_the_pressure_has_no_lower_part(told):
@@ -163,10 +163,10 @@ def test_laplace_is_n_T_mean_curvature(told, scan):
     """n = 2; on the scan's own sections within the facets of its mesh: 1 % of the leg itself."""
     leg = unseen_leg()
     theta, z, weights = sensor(leg).points(leg)
-    own = 2 * told.worn.effective_tension * weights @ leg.curvature(theta, z) / 1.33322e-4
+    own = 2 * told.choice.effective_tension * weights @ leg.curvature(theta, z) / 1.33322e-4
     assert told.laplace["scanned"] == pytest.approx(own, rel=0.01)
     assert told.laplace["fitted"] == pytest.approx(
-        shape.by_laplace(scan.leg, told.worn.effective_tension)
+        shape.by_laplace(scan.leg, told.choice.effective_tension)
     )
 
 
@@ -205,7 +205,9 @@ def test_person_md_prints_what_the_legs_say():
 def test_leg_outside_the_runs_is_answered_and_flagged(study, tmp_path):
     leg = Leg.from_alphas(300.0, (-0.68, 0.2, 0.0, 0.0))
     path = virtual.save(tmp_path / "leg.stl", *virtual.leg_mesh(leg))
-    found = predict_pressure(fit_scan(path, **KNOWN), wear(tension=0.1), Reduced.read(study))
+    found = predict_pressure(
+        fit_scan(path, **KNOWN), choose_bandage(tension=0.1), Reduced.read(study)
+    )
     assert set(found.outside) == {"leg_length", "alpha2"} and np.isfinite(found.value)
     assert found.outside["leg_length"][1:] == (185.1, 289.9)
     assert " is outside of 185.1 .. 289.9" in found.notes[0]
@@ -213,15 +215,15 @@ def test_leg_outside_the_runs_is_answered_and_flagged(study, tmp_path):
 
 def test_study_that_varies_the_stretch_is_given_the_stretch(scan, study):
     """Its tension is then that at 1.3; the one at the stretch as laid is for other studies."""
-    reduced, worn = Reduced.read(study), wear(tension=0.1, stretch=1.2)
+    reduced, choice = Reduced.read(study), choose_bandage(tension=0.1, stretch=1.2)
     leg = {"leg_length": scan.length, **{f"alpha{k}": a for k, a in enumerate(scan.alphas, 1)}}
-    assert reduced.inputs(leg, worn)["tension"] == pytest.approx(0.1 * 0.2 / 0.3)
+    assert reduced.inputs(leg, choice)["tension"] == pytest.approx(0.1 * 0.2 / 0.3)
     text = TEXT.replace("  mu_skin:  ", "  stretch:    [1.1, 1.4]\n  mu_skin:  ")
     text = text.replace('"cheap_leg:CheapLeg"', "leg_bandage").replace("stored: pressure.nc\n", "")
     varied = replace(
         reduced, study=Study.from_text(text + "outputs: [pressure_b1, pressure_field]\n")
     )
-    given = varied.inputs(leg, worn)
+    given = varied.inputs(leg, choice)
     assert (given["tension"], given["stretch"]) == (0.1, 1.2)
 
 
@@ -254,8 +256,8 @@ def test_study_that_cannot_predict(study, tmp_path, change, sentence):
     ],
 )
 def test_what_nobody_can_wear(given, sentence):
-    with pytest.raises(WearError, match=re.escape(sentence)):
-        wear(**given)
+    with pytest.raises(BandageChoiceError, match=re.escape(sentence)):
+        choose_bandage(**given)
 
 
 def test_pressure_on_the_skin_of_a_scan(told):
@@ -341,8 +343,8 @@ def test_finite_elements_on_the_scans_own_sections(scan, study):
     The scan is a mesh of the same leg, stood up by the fit.
     """
     stored = json.loads((shape.DATA / "four_modes.json").read_text())
-    worn = wear(tension=stored["tension"], mu_skin=stored["mu_skin"])
-    found = predict_pressure(scan, worn, Reduced.read(study), mesh="coarse")
+    choice = choose_bandage(tension=stored["tension"], mu_skin=stored["mu_skin"])
+    found = predict_pressure(scan, choice, Reduced.read(study), mesh="coarse")
     assert found.solved.value == pytest.approx(stored["own"][stored["leg"].index(UNSEEN)], rel=0.01)
     assert found.skin().pressure.shape == (72, 51)
 
