@@ -11,9 +11,7 @@ from itertools import product
 import numpy as np
 
 from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG
-from surrogate_solvers.leg_bandage.verification.flat_patch import press, settlement_exactly
-from surrogate_solvers.leg_bandage.verification.thick_cylinder import hooped_exactly
-from surrogate_solvers.leg_bandage.verification.wound_spiral import (
+from surrogate_solvers.leg_bandage.verification.bands import (
     band_on_cylinder,
     band_on_soft_tube,
     capstan,
@@ -23,6 +21,8 @@ from surrogate_solvers.leg_bandage.verification.wound_spiral import (
     stretches_on_cone,
     string_on_ellipse,
 )
+from surrogate_solvers.leg_bandage.verification.flat_patch import press, settlement_exactly
+from surrogate_solvers.leg_bandage.verification.thick_cylinder import hooped_exactly
 
 
 def main() -> None:

@@ -40,7 +40,7 @@ def ring_wrap(width: float, stretch: float = 1.3, height: float = 0.0) -> Wrap:
 
 
 @dataclass
-class Wound:
+class MandrelProblem:
     """A bandage on a rigid mandrel: its shell, its contacts and the problem they make."""
 
     strip: Strip
@@ -59,7 +59,7 @@ class Wound:
         return pseudo_transient(self.problem, u, viscosity)[0]
 
 
-def wind(
+def wrap_mandrel(
     mandrel: Mandrel,
     wrap: Wrap,
     fabric: Fabric,
@@ -70,7 +70,7 @@ def wind(
     ring: bool = False,
     solver: str = "auto",
     tolerances: Tolerances | None = None,
-) -> Wound:
+) -> MandrelProblem:
     """Lay a bandage on a mandrel; a ring is closed, otherwise both ends are held in place."""
     laid = lay(around(mandrel), wrap, ns, nw)
     strip, X = laid.strip, laid.X
@@ -105,12 +105,12 @@ def wind(
         solver,
         tolerances or Tolerances(force=1e-7, passing=1e-4),
     )
-    return Wound(strip, X, laid.area, shell, skin, layers, problem)
+    return MandrelProblem(strip, X, laid.area, shell, skin, layers, problem)
 
 
 def ring_on_tube(
     mesh: LegMesh, fabric: Fabric, c10: float, kappa: float, law: ContactLaw, ns: int, nw: int
-) -> tuple[Wound, Tissue]:
+) -> tuple[MandrelProblem, Tissue]:
     """A closed ring over the whole height of a soft tube in plane strain, hole free.
 
     mesh is that of a straight tube; three nodes of its hole keep it from drifting.
@@ -135,4 +135,4 @@ def ring_on_tube(
         3 * hole[0] + 1, 3 * hole[quarter], 3 * hole[2 * quarter] + 1,
     ])  # fmt: skip
     problem = Problem([tissue], [skin], [shell], Viscosity(nodal), np.unique(fixed), X.size)
-    return Wound(strip, X, laid.area, shell, skin, None, problem), tissue
+    return MandrelProblem(strip, X, laid.area, shell, skin, None, problem), tissue

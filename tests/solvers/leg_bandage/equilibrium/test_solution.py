@@ -16,13 +16,13 @@ from surrogate_solvers.leg_bandage.equilibrium.solution import (
     pseudo_transient,
 )
 from surrogate_solvers.leg_bandage.surfaces.surfaces import Mandrel
-from surrogate_solvers.leg_bandage.verification.mandrel import ring_wrap, wind
+from surrogate_solvers.leg_bandage.verification.mandrel import ring_wrap, wrap_mandrel
 
 
 @pytest.fixture
 def ring():
     """A band on an elliptic cylinder, free to slide but not yet in equilibrium."""
-    wound = wind(
+    wrapped = wrap_mandrel(
         Mandrel(50, 44),
         ring_wrap(20),
         at_tension(0.098),
@@ -32,8 +32,8 @@ def ring():
         ring=True,
         tolerances=Tolerances(force=1e-9, passing=1e-9),
     )
-    wound.skin.slide(np.zeros(wound.X.size))
-    return wound
+    wrapped.skin.slide(np.zeros(wrapped.X.size))
+    return wrapped
 
 
 def test_newton_ends_quadratically(ring, monkeypatch):

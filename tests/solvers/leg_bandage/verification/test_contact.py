@@ -8,6 +8,17 @@ import numpy as np
 import pytest
 
 from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG
+from surrogate_solvers.leg_bandage.verification.bands import (
+    band_on_cylinder,
+    band_on_soft_tube,
+    capstan,
+    curvature,
+    slide_down_cone,
+    spiral_exactly,
+    spiral_on_cylinder,
+    stretches_on_cone,
+    string_on_ellipse,
+)
 from surrogate_solvers.leg_bandage.verification.flat_patch import (
     MARGIN,
     SIDE,
@@ -22,17 +33,6 @@ from surrogate_solvers.leg_bandage.verification.legs import (
     validation_leg,
 )
 from surrogate_solvers.leg_bandage.verification.sweeps import Case, solve_all
-from surrogate_solvers.leg_bandage.verification.wound_spiral import (
-    band_on_cylinder,
-    band_on_soft_tube,
-    capstan,
-    curvature,
-    slide_down_cone,
-    spiral_exactly,
-    spiral_on_cylinder,
-    stretches_on_cone,
-    string_on_ellipse,
-)
 
 
 @pytest.mark.parametrize("tension, mmhg", [(0.059, 9.835), (0.098, 16.335), (0.137, 22.835)])

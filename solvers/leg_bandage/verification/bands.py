@@ -20,7 +20,7 @@ from ..outputs.pressure_map import MMHG
 from ..surfaces.surfaces import Mandrel
 from ..tissue.mesh import leg_mesh, tube
 from ..wrapping.spiral import Wrap
-from .mandrel import ring_on_tube, ring_wrap, wind
+from .mandrel import ring_on_tube, ring_wrap, wrap_mandrel
 
 
 def limp(tension: float) -> Fabric:
@@ -37,7 +37,9 @@ class Pressed(NamedTuple):
 
 def band_on_cylinder(tension: float, r: float = 45.0, width: float = 20.0) -> Pressed:
     """V2: one layer on a rigid cylinder; exact: Laplace's law T / r."""
-    ring = wind(Mandrel(r, r), ring_wrap(width), limp(tension), ContactLaw(0.0), 48, 4, ring=True)
+    ring = wrap_mandrel(
+        Mandrel(r, r), ring_wrap(width), limp(tension), ContactLaw(0.0), 48, 4, ring=True
+    )
     u = ring.slide_to_rest()
     p = ring.skin.report(u)["p"]
     force = np.sum(p * ring.skin.points.area)
@@ -50,7 +52,7 @@ def spiral_on_cylinder(per_turn: int = 44) -> float:
     Upper layers reach the skin only through lower ones.
     """
     wrap = Wrap(0, 200, 50, 1.3, 100, 0.02)
-    spiral = wind(
+    spiral = wrap_mandrel(
         Mandrel(45, 45),
         wrap,
         limp(0.098),
@@ -92,7 +94,9 @@ class String(NamedTuple):
 
 def string_on_ellipse(a: float, b: float) -> String:
     """V5: exact are a uniform tension T and p = T kappa at every point."""
-    ring = wind(Mandrel(a, b), ring_wrap(10), limp(0.098), ContactLaw(0.0), 96, 2, ring=True)
+    ring = wrap_mandrel(
+        Mandrel(a, b), ring_wrap(10), limp(0.098), ContactLaw(0.0), 96, 2, ring=True
+    )
     u = ring.slide_to_rest()
     report = ring.skin.report(u)
     middle = np.column_stack([np.arange(96) + 0.5, np.ones(96)])
@@ -108,7 +112,7 @@ def curvature(a: float, b: float, angle):
 
 def capstan(mu: float) -> float:
     """V6: T2 / T1 over half a turn once the whole strip slides; exact exp(mu pi) (Euler 1769)."""
-    rope = wind(
+    rope = wrap_mandrel(
         Mandrel(40, 40), Wrap(0, 1e-9, 2e-9, 1.1, 10, 1e-3), limp(0.098), ContactLaw(mu), 60, 2
     )
     problem, u = rope.problem, np.zeros(rope.X.size)
@@ -135,7 +139,7 @@ def slide_down_cone(alpha: float, share: float, tension: float, radius: float) -
     Exact: it rests when share is above 1 and never does below, whatever T and r.
     """
     limits = Tolerances(force=1e-7, passing=1e-4, rest=1e-9, steps=8, viscosity=(1e-4, 0.5))
-    hoop = wind(
+    hoop = wrap_mandrel(
         Mandrel(radius, radius, np.tan(alpha)),
         ring_wrap(20, height=60.0),
         limp(tension),
@@ -159,7 +163,7 @@ def stretches_on_cone(alpha: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
 
     Exact is 1.3 (1 + y sin(alpha) / r), y from the midline.
     """
-    hoop = wind(
+    hoop = wrap_mandrel(
         Mandrel(40, 40, np.tan(alpha)),
         ring_wrap(20, height=60.0),
         limp(0.098),
