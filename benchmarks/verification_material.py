@@ -19,7 +19,7 @@ from surrogate_solvers.leg_bandage.bandage.fabric import Fabric
 from surrogate_solvers.leg_bandage.bandage.products import NOMINAL
 from surrogate_solvers.leg_bandage.bandage.shell import Shell
 from surrogate_solvers.leg_bandage.surfaces.surfaces import Strip
-from surrogate_solvers.leg_bandage.tissue.mesh import leg_mesh, tube
+from surrogate_solvers.leg_bandage.tissue.mesh import cylindrical_surface, leg_mesh
 from surrogate_solvers.leg_bandage.tissue.neo_hooke import Tissue
 from surrogate_solvers.leg_bandage.verification.plates import (
     cantilever,
@@ -100,7 +100,9 @@ def shells(fine: bool):
 
 def timings() -> None:
     """Assembly per 10 000 unknowns, and factorisation of the leg alone."""
-    leg = leg_mesh(tube(47.0), tube(15.0), np.linspace(0, 290, 29), 48, 5, 2.0)
+    leg = leg_mesh(
+        cylindrical_surface(47.0), cylindrical_surface(15.0), np.linspace(0, 290, 29), 48, 5, 2.0
+    )
     tissue = Tissue(leg.mesh, 5e-3, 14.3)
     strip, size = Strip(260, 20), (1300.0, 100.0)
     start = laid(strip, size) * [1.3, 1, 1]

@@ -81,8 +81,8 @@ def leg_mesh(
     return LegMesh(_with_named_boundaries(mesh, nodes), theta, depth, z, nodes)
 
 
-def tube(radius: float | Callable) -> Surface:
-    """Surface of a straight tube about z; `radius` in mm, or a function of (theta, z)."""
+def cylindrical_surface(radius: float | Callable) -> Surface:
+    """Straight cylinder about z; `radius` in mm, or a function of (theta, z)."""
 
     def surface(theta, z):
         theta, z = np.broadcast_arrays(theta, z)

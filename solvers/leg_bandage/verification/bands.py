@@ -18,7 +18,7 @@ from ..contact.friction import ContactLaw
 from ..equilibrium.solution import Tolerances
 from ..outputs.pressure_map import MMHG
 from ..surfaces.surfaces import Mandrel
-from ..tissue.mesh import leg_mesh, tube
+from ..tissue.mesh import cylindrical_surface, leg_mesh
 from ..wrapping.spiral import Wrap
 from .mandrel import ring_on_tube, ring_wrap, wrap_mandrel
 
@@ -193,7 +193,9 @@ def band_on_soft_tube(K1: float) -> OnTube:
     Bandage and skin do not match: 44 rows on 36 cells round the tube, 5 on 4 along it.
     `thick_cylinder.hooped_exactly` has the answer; its pressure is uniform.
     """
-    mesh = leg_mesh(tube(47.0), tube(15.0), np.linspace(0, 20, 5), 36, 10)
+    mesh = leg_mesh(
+        cylindrical_surface(47.0), cylindrical_surface(15.0), np.linspace(0, 20, 5), 36, 10
+    )
     cloth = replace(limp(0.3 * K1), F1=0.01, F2=0.01, tau12=0.01)
     ring, _ = ring_on_tube(mesh, cloth, 0.005, 14.3, ContactLaw(0.2), 44, 5)
     start, _ = ring.problem.newton(np.zeros(ring.X.size))

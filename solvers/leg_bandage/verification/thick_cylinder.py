@@ -17,7 +17,7 @@ from scipy.sparse import csr_array, eye_array, kron
 from ..bandage.fabric import Fabric
 from ..bandage.shell import Shell
 from ..surfaces.surfaces import Strip
-from ..tissue.mesh import LegMesh, leg_mesh, tube
+from ..tissue.mesh import LegMesh, cylindrical_surface, leg_mesh
 from ..tissue.neo_hooke import Tissue
 from .follower_pressure import skin_pressure
 from .newton import held, newton
@@ -140,7 +140,14 @@ def hooped(
 
 def annulus(n_theta: int, n_depth: int) -> LegMesh:
     """The tube, one element high, with its finer layers at the hole."""
-    return leg_mesh(tube(OUTER), tube(INNER), np.array([0, HEIGHT]), n_theta, n_depth, 0.3)
+    return leg_mesh(
+        cylindrical_surface(OUTER),
+        cylindrical_surface(INNER),
+        np.array([0, HEIGHT]),
+        n_theta,
+        n_depth,
+        0.3,
+    )
 
 
 def plane_strain_dofs(leg: LegMesh, pinned: bool) -> np.ndarray:

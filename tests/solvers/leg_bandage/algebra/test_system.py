@@ -13,7 +13,7 @@ from surrogate_solvers.leg_bandage.algebra.system import System, compress
 from surrogate_solvers.leg_bandage.bandage.products import NOMINAL
 from surrogate_solvers.leg_bandage.bandage.shell import Shell
 from surrogate_solvers.leg_bandage.surfaces.surfaces import Strip
-from surrogate_solvers.leg_bandage.tissue.mesh import leg_mesh, tube
+from surrogate_solvers.leg_bandage.tissue.mesh import cylindrical_surface, leg_mesh
 from surrogate_solvers.leg_bandage.tissue.neo_hooke import Tissue
 from surrogate_solvers.leg_bandage.verification.plates import laid
 
@@ -143,7 +143,9 @@ def test_the_same_system_gives_the_same_digits(engine):
 @pytest.mark.parametrize("engine", ENGINES)
 def test_digits_do_not_depend_on_the_number_of_threads(engine):
     """A leg and a bandage, 10 000 unknowns, assembled and solved on one thread and on two."""
-    leg = leg_mesh(tube(47.0), tube(15.0), np.linspace(0, 200, 21), 36, 2)
+    leg = leg_mesh(
+        cylindrical_surface(47.0), cylindrical_surface(15.0), np.linspace(0, 200, 21), 36, 2
+    )
     strip, size = Strip(60, 10, offset=leg.mesh.nvertices), (300.0, 100.0)
     start = np.vstack([leg.mesh.p.T, laid(strip, size) * [1.3, 1, 1]])
     parts = [

@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import coo_array
 
 from surrogate.errors import SolverError
-from surrogate_solvers.leg_bandage.tissue.mesh import leg_mesh, tube
+from surrogate_solvers.leg_bandage.tissue.mesh import cylindrical_surface, leg_mesh
 from surrogate_solvers.leg_bandage.tissue.neo_hooke import Tissue
 from surrogate_solvers.leg_bandage.verification.follower_pressure import skin_pressure
 from surrogate_solvers.leg_bandage.verification.newton import held, newton
@@ -22,8 +22,12 @@ MMHG = 1.33322e-4
 
 def uneven_leg(n_theta=8, n_depth=2, n_z=3):
     """A short leg whose skin is neither round nor straight."""
-    skin = tube(lambda theta, z: 40 + 3 * np.cos(theta) + 2 * np.sin(2 * theta) + 0.1 * z)
-    return leg_mesh(skin, tube(18.0), np.linspace(0, 30, n_z + 1), n_theta, n_depth, 2.0)
+    skin = cylindrical_surface(
+        lambda theta, z: 40 + 3 * np.cos(theta) + 2 * np.sin(2 * theta) + 0.1 * z
+    )
+    return leg_mesh(
+        skin, cylindrical_surface(18.0), np.linspace(0, 30, n_z + 1), n_theta, n_depth, 2.0
+    )
 
 
 def matrix(part, values):
@@ -133,7 +137,9 @@ def test_follower_pressure_tangent():
 
 def test_follower_pressure_resultant():
     """Around a prism the forces add up to nothing, and their virial to 2 p times its volume."""
-    leg = leg_mesh(tube(40.0), tube(10.0), np.linspace(0, 30, 4), 12, 1)
+    leg = leg_mesh(
+        cylindrical_surface(40.0), cylindrical_surface(10.0), np.linspace(0, 30, 4), 12, 1
+    )
     force = skin_pressure(leg, 4e-3).linearise(np.zeros(leg.n_dofs))[0].reshape(-1, 3)
     np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-14)
     radial = np.einsum("ni,ni->n", force, leg.mesh.p.T * [1, 1, 0])
@@ -213,7 +219,9 @@ def test_hoop_band_on_soft_annulus(K1, layers, radius, stretch, mmhg):
 
 def test_mesh_volume_and_named_boundaries():
     """The tube's volume to second order, and each named boundary with its facets."""
-    leg = leg_mesh(tube(47.0), tube(15.0), np.linspace(0, 30, 5), 48, 3, 2.0)
+    leg = leg_mesh(
+        cylindrical_surface(47.0), cylindrical_surface(15.0), np.linspace(0, 30, 5), 48, 3, 2.0
+    )
     volume = Tissue(leg.mesh, 5e-3, 14.3).volumes.sum()
     polygon = 48 * np.sin(2 * np.pi / 48) / 2 * (47**2 - 15**2) * 30
     assert volume == pytest.approx(polygon, rel=1e-12)
@@ -237,7 +245,13 @@ def test_end_conditions_hold_the_named_dofs():
 def test_bone_outside_the_skin_is_refused():
     """The sentence says where the bone comes through."""
     with pytest.raises(SolverError, match="bone reaches the skin"):
-        leg_mesh(tube(40.0), tube(lambda t, z: 30 + 12 * np.cos(t)), np.linspace(0, 30, 4), 12, 2)
+        leg_mesh(
+            cylindrical_surface(40.0),
+            cylindrical_surface(lambda t, z: 30 + 12 * np.cos(t)),
+            np.linspace(0, 30, 4),
+            12,
+            2,
+        )
 
 
 def test_an_inverted_element_is_reported():
