@@ -38,7 +38,7 @@ from .equilibrium.model import (
     mesh_leg,
 )
 from .equilibrium.progressive import wrap_and_solve
-from .geometry.bone import bone_of
+from .geometry.bone import bone_envelope
 from .geometry.feasibility import check_leg
 from .geometry.landmarks import RULES
 from .geometry.leg import Leg
@@ -149,7 +149,7 @@ class LegBandage:
         laid = lay(
             leg.surface, wrap, element_rows(leg.surface, wrap, self.mesh.around), self.mesh.across
         )
-        mesh = mesh_leg(leg, bone_of(leg), self.mesh)
+        mesh = mesh_leg(leg, bone_envelope(leg), self.mesh)
         given = {"material": material, "ends": self.ends, "solver": self.solver}
         if wrapping == "progressive":
             return wrap_and_solve(mesh, laid, wrap, **given)

@@ -42,7 +42,7 @@ def _fractions_at(sections: int) -> np.ndarray:
     return _fractions()(np.linspace(0, 1, sections))
 
 
-def bone_of(leg: Leg) -> Leg:
+def bone_envelope(leg: Leg) -> Leg:
     """The bone envelope of this leg, a tube of the same kind with its own centre line.
 
     Its `surface(theta, z)` turns about the bone's centre, not the leg's: from a third of
@@ -71,7 +71,7 @@ def cover(leg: Leg, theta, z) -> np.ndarray:
     Measured along the normal of the horizontal section of the skin, to first order;
     negative where the bone is outside the skin. Arguments broadcast.
     """
-    skin, bone = leg.numbers(z), bone_of(leg).numbers(z)
+    skin, bone = leg.numbers(z), bone_envelope(leg).numbers(z)
     return _cover(skin[..., :11], bone[..., :11], bone[..., 11:] - skin[..., 11:], theta)
 
 

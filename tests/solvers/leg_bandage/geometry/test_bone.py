@@ -7,7 +7,7 @@ import pytest
 
 from surrogate.errors import SolverError
 from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
-from surrogate_solvers.leg_bandage.geometry.bone import LEAST_COVER, bone_of, cover, envelope
+from surrogate_solvers.leg_bandage.geometry.bone import LEAST_COVER, bone_envelope, cover, envelope
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
 from surrogate_solvers.leg_bandage.geometry.feasibility import check_leg
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
@@ -42,7 +42,7 @@ def test_cover_over_the_shin_of_the_mean_leg(mean_leg):
 
 def test_size_of_the_bones(mean_leg):
     """Hull of tibia and fibula at mid-leg: 14 to 15 mm of mean radius, 10 % of the section."""
-    bone, middle = bone_of(mean_leg), mean_leg.length / 2
+    bone, middle = bone_envelope(mean_leg), mean_leg.length / 2
     assert bone.radius(THETA, middle).mean() == pytest.approx(14.5, abs=0.5)
     share = np.mean(bone.radius(THETA, middle) ** 2) / np.mean(mean_leg.radius(THETA, middle) ** 2)
     assert share == pytest.approx(0.10, abs=0.02)
@@ -50,7 +50,7 @@ def test_size_of_the_bones(mean_leg):
 
 def test_fibula_is_lateral_and_behind_the_shin(mean_leg):
     """Right leg: the envelope is long from antero-medial (tibia) to postero-lateral (fibula)."""
-    points = bone_of(mean_leg).surface(THETA, 120.0)[..., :2].reshape(-1, 2)
+    points = bone_envelope(mean_leg).surface(THETA, 120.0)[..., :2].reshape(-1, 2)
     values, axes = np.linalg.eigh(np.cov(points.T))
     long_axis = axes[:, 1] * np.sign(axes[0, 1])
     assert values[1] > 2 * values[0]
@@ -101,8 +101,8 @@ def test_corners_of_table_ii_on_the_shipped_basis():
 def test_bones_scale_with_the_leg():
     small, large = (Leg.from_alphas(length, shipped_basis().mean) for length in (200, 300))
     np.testing.assert_allclose(
-        bone_of(large).surface(THETA, 150.0)[..., :2],
-        1.5 * bone_of(small).surface(THETA, 100.0)[..., :2],
+        bone_envelope(large).surface(THETA, 150.0)[..., :2],
+        1.5 * bone_envelope(small).surface(THETA, 100.0)[..., :2],
         rtol=1e-9,
     )
 

@@ -9,7 +9,7 @@ from surrogate.errors import SolverError
 from surrogate_solvers.leg_bandage.equilibrium.model import MESHES, mesh_leg
 from surrogate_solvers.leg_bandage.equilibrium.progressive import deformed_skin
 from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
-from surrogate_solvers.leg_bandage.geometry.bone import bone_of
+from surrogate_solvers.leg_bandage.geometry.bone import bone_envelope
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
 from surrogate_solvers.leg_bandage.surfaces.surfaces import Mandrel
 from surrogate_solvers.leg_bandage.verification.mandrel import around
@@ -106,7 +106,7 @@ def test_deformed_skin_is_the_leg_when_nothing_has_moved():
     The shin is its sharpest place; the mean distance is what the pressure sees.
     """
     leg = Leg.from_alphas(237.9, shipped_basis().mean).extended(85, 25)
-    mesh = mesh_leg(leg, bone_of(leg), MESHES["medium"])
+    mesh = mesh_leg(leg, bone_envelope(leg), MESHES["medium"])
     surface = deformed_skin(mesh, np.zeros(mesh.n_dofs))
     rng = np.random.default_rng(0)
     theta, z = rng.uniform(0, 12, 200), rng.uniform(-50, 230, 200)
