@@ -1,7 +1,7 @@
 """One-dimensional local interpolation weights and their tensor products.
 
 `bspline`  cardinal quadratic B-spline: three control points a cell, C1, not interpolating
-`keys`     cubic convolution with a = -1/2 (Keys 1981, eq. 4): four nodes a cell, C1,
+`cubic_convolution` with a = -1/2 (Keys 1981, eq. 4): four nodes a cell, C1,
            interpolates its nodes and reproduces quadratics
 
 Each returns the weights and their first and second derivatives for t in [0, 1]
@@ -20,7 +20,7 @@ def bspline(t):
     return N, np.stack([t - 1, 1 - 2 * t, t]), np.stack([one, -2 * one, one])
 
 
-def keys(t):
+def cubic_convolution(t):
     """Weights (4, n), first and second derivatives of the Keys cubic (Catmull-Rom)."""
     N = np.stack(
         [

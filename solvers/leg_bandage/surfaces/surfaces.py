@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_banded
 
-from .interpolation import bspline, keys, tensor
+from .interpolation import bspline, cubic_convolution, tensor
 
 
 @dataclass(frozen=True)
@@ -41,8 +41,8 @@ class Skin:
         """Nodes (n, 16) and weights (6, n, 16) of the jet."""
         cell = self.cell(xi)
         t = xi - cell
-        along = [self._straight_ends(weights, cell[:, 1]) for weights in keys(t[:, 1])]
-        return self.cell_nodes(cell), tensor(keys(t[:, 0]), along)
+        along = [self._straight_ends(weights, cell[:, 1]) for weights in cubic_convolution(t[:, 1])]
+        return self.cell_nodes(cell), tensor(cubic_convolution(t[:, 0]), along)
 
     def _straight_ends(self, w, j):
         """Weights (4, n) in cells j where the node outside the grid is 2 first - second."""
