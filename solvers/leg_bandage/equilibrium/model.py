@@ -12,8 +12,8 @@ import numpy as np
 
 from ..bandage.fabric import Fabric
 from ..bandage.shell import Shell
-from ..contact.contact import Contact, Points
-from ..contact.friction import ContactLaw
+from ..contact.law import ContactLaw
+from ..contact.point_to_surface import Contact, Points
 from ..geometry.leg import Leg
 from ..surfaces.surfaces import Skin, Strip
 from ..tissue.mesh import LegMesh, leg_mesh

@@ -18,7 +18,7 @@ import numpy as np
 from surrogate.errors import SolverError
 
 from ..algebra.system import System
-from ..contact.contact import Contact
+from ..contact.point_to_surface import Contact
 from ..contact.sparsity import PatternOutgrown
 
 

@@ -1,8 +1,9 @@
 """One-dimensional local interpolation weights and their tensor products.
 
-`bspline`  cardinal quadratic B-spline: three control points a cell, C1, not interpolating
-`cubic_convolution` with a = -1/2 (Keys 1981, eq. 4): four nodes a cell, C1,
-           interpolates its nodes and reproduces quadratics
+`bspline` cardinal quadratic B-spline: three control points a cell, C1, not interpolating
+
+`cubic_convolution` with a = -1/2 (Keys 1981, eq. 4): four nodes a cell, C1, interpolates its
+nodes and reproduces quadratics
 
 Each returns the weights and their first and second derivatives for t in [0, 1]
 inside a cell; arrays (3 or 4, n).

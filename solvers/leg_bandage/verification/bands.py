@@ -14,7 +14,7 @@ import numpy as np
 
 from ..bandage.fabric import Fabric
 from ..bandage.products import NOMINAL, at_tension
-from ..contact.friction import ContactLaw
+from ..contact.law import ContactLaw
 from ..equilibrium.solution import Tolerances
 from ..outputs.pressure_map import MMHG
 from ..surfaces.surfaces import Mandrel

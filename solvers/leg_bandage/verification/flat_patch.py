@@ -19,8 +19,8 @@ from skfem import MeshHex
 
 from ..bandage.fabric import Fabric
 from ..bandage.shell import Shell
-from ..contact.contact import Contact, Points
-from ..contact.friction import ContactLaw
+from ..contact.law import ContactLaw
+from ..contact.point_to_surface import Contact, Points
 from ..equilibrium.solution import Problem, Tolerances, Viscosity
 from ..surfaces.surfaces import Skin, Strip
 from ..tissue.neo_hooke import Tissue

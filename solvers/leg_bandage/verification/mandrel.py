@@ -12,8 +12,8 @@ import numpy as np
 
 from ..bandage.fabric import Fabric
 from ..bandage.shell import Shell
-from ..contact.contact import Contact, Points
-from ..contact.friction import ContactLaw
+from ..contact.law import ContactLaw
+from ..contact.point_to_surface import Contact, Points
 from ..equilibrium.model import skin_parameters
 from ..equilibrium.solution import Problem, Tolerances, Viscosity, pseudo_transient
 from ..surfaces.surfaces import Mandrel, Skin, Strip

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from surrogate_solvers.leg_bandage.bandage.products import at_tension
-from surrogate_solvers.leg_bandage.contact.friction import ContactLaw
+from surrogate_solvers.leg_bandage.contact.law import ContactLaw
 from surrogate_solvers.leg_bandage.equilibrium.solution import (
     NotConverged,
     Problem,

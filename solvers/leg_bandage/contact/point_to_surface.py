@@ -29,7 +29,7 @@ import numpy as np
 
 from ..algebra.system import Tangent
 from ..surfaces.projection import metric, project, solve2
-from .friction import ContactLaw
+from .law import ContactLaw
 from .sparsity import ContactPattern
 
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from surrogate_solvers.leg_bandage.contact.contact import Contact, Points
-from surrogate_solvers.leg_bandage.contact.friction import ContactLaw
+from surrogate_solvers.leg_bandage.contact.law import ContactLaw
+from surrogate_solvers.leg_bandage.contact.point_to_surface import Contact, Points
 from surrogate_solvers.leg_bandage.contact.sparsity import PatternOutgrown
 from surrogate_solvers.leg_bandage.surfaces.projection import project
 from surrogate_solvers.leg_bandage.surfaces.surfaces import (

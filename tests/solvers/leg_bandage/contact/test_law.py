@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from surrogate_solvers.leg_bandage.contact.friction import ContactLaw
+from surrogate_solvers.leg_bandage.contact.law import ContactLaw
 
 LAW = ContactLaw(mu=0.2, penalty=0.15, ramp=0.1, elastic_slip=0.05)
 
