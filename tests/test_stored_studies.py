@@ -11,7 +11,7 @@ from surrogate.runs.dataset import call_and_answer
 from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
 from surrogate_solvers.leg_bandage.prediction import Reduced, choose_bandage, predict_pressure
-from surrogate_solvers.leg_bandage.prediction.shape import both_ways
+from surrogate_solvers.leg_bandage.prediction.shape_correction import both_ways
 
 ROOT = Path(__file__).parent.parent
 PERSON = ROOT / "solvers/leg_bandage/data/pressure.yaml"

@@ -14,7 +14,7 @@ from pathlib import Path
 from surrogate.errors import SolverError
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
 from surrogate_solvers.leg_bandage.plugin import LegBandage
-from surrogate_solvers.leg_bandage.prediction.shape import both_ways
+from surrogate_solvers.leg_bandage.prediction.shape_correction import both_ways
 
 PATH = Path(__file__).parent.parent / "solvers" / "leg_bandage" / "data" / "four_modes.json"
 TENSION, MU_SKIN = 0.0785, 0.2  # biflex_16

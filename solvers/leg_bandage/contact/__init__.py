@@ -1,4 +1,4 @@
 """Contact with friction between two surfaces, skin and turn or turn and turn.
 
-Start from `contact.Contact`; `friction.ContactLaw` has the tractions.
+Start from `point_to_surface.Contact`; `law.ContactLaw` has the tractions.
 """

@@ -4,7 +4,7 @@ An application on top of the solvers and the study layer; no solver knows it.
 """
 
 from .bandage_choice import BandageChoice, BandageChoiceError, choose_bandage
-from .prediction import Prediction, predict_pressure
+from .pressure import Prediction, predict_pressure
 from .reduced import Reduced
 
 __all__ = [

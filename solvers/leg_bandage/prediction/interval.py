@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .reduced import Reduced
-from .shape import shape_law
+from .shape_correction import shape_law
 
 CONFIDENCE = 0.95
 FRICTIONS = 41

@@ -10,8 +10,7 @@ from markupsafe import Markup
 
 from ..scan.page import render
 from . import summary
-from .prediction import Prediction
-from .surface import (
+from .coloured_leg import (
     BARE,
     BARE_UNDER,
     STOPS,
@@ -19,7 +18,8 @@ from .surface import (
     pressure_on,
     surface_of,
 )
-from .views import answers_drawn, colour_bar, four_sides
+from .pictures import answers_drawn, colour_bar, four_sides
+from .pressure import Prediction
 
 TABLE_HEIGHTS = np.arange(0.9, -0.01, -0.1)
 TABLE_ANGLES = np.array([180.0, 90.0, 0.0, 270.0])

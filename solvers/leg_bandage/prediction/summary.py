@@ -8,7 +8,7 @@ from typing import Any
 from ..bandage.products import STRETCH
 from ..scan.summary import figures as scan_figures
 from .interval import CONFIDENCE
-from .prediction import Prediction
+from .pressure import Prediction
 
 Row = tuple[str, str, str, str]
 OWN, MODES = "scan's own sections", "leg of the shape modes"

@@ -21,7 +21,7 @@ from ..scan import FittedScan
 from .bandage_choice import BandageChoice
 from .interval import Part, joined, parts_of
 from .reduced import Reduced
-from .shape import by_laplace_if_it_can, shape_law
+from .shape_correction import by_laplace_if_it_can, shape_law
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Prediction:
 
     value, low, high  mmHg, by the reduced model on the scan's own sections, 95 % interval
     on_modes          mmHg, by the reduced model on the leg of the shape modes
-    factor            value / on_modes (see shape.py); None where Laplace's law has no answer
+    factor            value / on_modes (`shape_correction`); None where Laplace's law has no answer
     parts             what the interval is made of
     inputs            of the reduced model
     outside           name -> (value, low, high) of inputs beyond the runs it is learnt from

@@ -21,13 +21,13 @@ from surrogate_solvers.leg_bandage.prediction import (
     BandageChoiceError,
     Reduced,
     choose_bandage,
+    coloured_leg,
     interval,
     predict_pressure,
-    shape,
-    surface,
+    shape_correction,
 )
 from surrogate_solvers.leg_bandage.prediction.page import person_page
-from surrogate_solvers.leg_bandage.prediction.prediction import Skin, Solved
+from surrogate_solvers.leg_bandage.prediction.pressure import Skin, Solved
 from surrogate_solvers.leg_bandage.scan import fit_scan
 
 DATA = Path(__file__).parent / "data"
@@ -116,7 +116,9 @@ def test_value_is_the_solvers_own(told, scan):
 def test_correction_to_the_scans_own_sections(told):
     """P (Laplace_own / Laplace_modes)^b."""
     ratio = told.laplace["scanned"] / told.laplace["fitted"]
-    assert told.value == pytest.approx(told.on_modes * ratio ** shape.shape_law().exponent)
+    assert told.value == pytest.approx(
+        told.on_modes * ratio ** shape_correction.shape_law().exponent
+    )
     assert abs(ratio - 1) > 0.01
 
 
@@ -126,7 +128,7 @@ def test_parts_of_the_interval(told):
     assert parts["surrogate"].high == pytest.approx(0, abs=1e-6)
     two = 2 * told.value / told.on_modes
     assert (parts["friction"].low, parts["friction"].high) == pytest.approx((-two, two), abs=1e-6)
-    missed = shape.shape_law().error() * told.value
+    missed = shape_correction.shape_law().error() * told.value
     assert parts["leg shape"].high == pytest.approx(missed)
     half = np.hypot(two, missed)
     assert (told.low, told.high) == pytest.approx((told.value - half, told.value + half), abs=1e-6)
@@ -135,13 +137,15 @@ def test_parts_of_the_interval(told):
 def test_leg_that_laplace_cannot_answer_is_not_corrected(scan, study, monkeypatch):
     """A leg without a calf has no B1: the wider part of the shape is then in the interval."""
     monkeypatch.setattr(
-        "surrogate_solvers.leg_bandage.prediction.prediction.by_laplace_if_it_can",
+        "surrogate_solvers.leg_bandage.prediction.pressure.by_laplace_if_it_can",
         lambda leg, tension: None,
     )
     found = predict_pressure(scan, choose_bandage(tension=0.1), Reduced.read(study))
     assert found.factor is None and found.value == found.on_modes
     part = next(part for part in found.parts if part.name == "leg shape")
-    assert part.high == pytest.approx(shape.shape_law().error(corrected=False) * found.value)
+    assert part.high == pytest.approx(
+        shape_correction.shape_law().error(corrected=False) * found.value
+    )
     assert "uncorrected" in found.notes[0]
 
 
@@ -166,7 +170,7 @@ def test_laplace_is_n_T_mean_curvature(told, scan):
     own = 2 * told.choice.effective_tension * weights @ leg.curvature(theta, z) / 1.33322e-4
     assert told.laplace["scanned"] == pytest.approx(own, rel=0.01)
     assert told.laplace["fitted"] == pytest.approx(
-        shape.by_laplace(scan.leg, told.choice.effective_tension)
+        shape_correction.by_laplace(scan.leg, told.choice.effective_tension)
     )
 
 
@@ -175,11 +179,11 @@ def test_shape_law():
 
     Least squares through the origin: b = sum(x y) / sum(x^2), against numpy's.
     """
-    law = shape.shape_law()
-    stored = json.loads((shape.DATA / "four_modes.json").read_text())
+    law = shape_correction.shape_law()
+    stored = json.loads((shape_correction.DATA / "four_modes.json").read_text())
     told = [
-        np.log(shape.by_laplace(own) / shape.by_laplace(modes))
-        for own, modes in map(shape.both_ways, stored["leg"])
+        np.log(shape_correction.by_laplace(own) / shape_correction.by_laplace(modes))
+        for own, modes in map(shape_correction.both_ways, stored["leg"])
     ]
     ratio = np.log(np.array(stored["own"]) / stored["modes"])
     assert law.exponent == pytest.approx(
@@ -192,7 +196,10 @@ def test_shape_law():
 
 def test_person_md_prints_what_the_legs_say():
     """Number of legs, b, RMS and 95 % of both rows."""
-    law, text = shape.shape_law(), (Path(shape.__file__).parent / "PREDICTION.md").read_text()
+    law, text = (
+        shape_correction.shape_law(),
+        (Path(shape_correction.__file__).parent / "PREDICTION.md").read_text(),
+    )
     rms = {name: np.sqrt((getattr(law, name) ** 2).mean()) for name in ("missed", "corrected")}
     assert f"On {len(law.missed)} validation legs" in text
     assert f"| four modes | {100 * rms['missed']:.1f} % | {100 * law.error(False):.1f} % |" in text
@@ -265,17 +272,17 @@ def test_pressure_on_the_skin_of_a_scan(told):
 
     A left leg is a right one with x turned about: same pressures, points mirrored.
     """
-    found = surface.surface_of(told)
-    height = np.linspace(0, 1, surface.LEVELS)
+    found = coloured_leg.surface_of(told)
+    height = np.linspace(0, 1, coloured_leg.LEVELS)
     np.testing.assert_allclose(
-        found.pressure[:, surface.RAYS // 2], told.on_modes * 1.5 * (1 - height / 2), rtol=1e-6
+        found.pressure[:, coloured_leg.RAYS // 2], told.on_modes * 1.5 * (1 - height / 2), rtol=1e-6
     )
     assert found.ticks[0] == 0 and found.ticks[-1] >= found.pressure.max()
     away = np.linalg.norm(
         found.rim - told.scan.scanned.surface(np.radians(found.at[0]), found.at[1]), axis=1
     )
     np.testing.assert_allclose(away, 25.0, atol=0.1)
-    left = surface.surface_of(replace(told, scan=replace(told.scan, side="left")))
+    left = coloured_leg.surface_of(replace(told, scan=replace(told.scan, side="left")))
     np.testing.assert_allclose(left.points, found.points * [-1, 1, 1])
     np.testing.assert_array_equal(left.pressure, found.pressure)
 
@@ -285,7 +292,7 @@ def test_solved_leg_gives_answer_and_colours(told):
     theta, height = np.arange(0.0, 360.0, 90.0), np.array([0.0, 1.0])
     solved = Solved("coarse", 31.4, Skin(theta, height, np.full((4, 2), 25.0)), 9.0)
     found = replace(told, solved=solved)
-    np.testing.assert_allclose(surface.surface_of(found).pressure, 25.0)
+    np.testing.assert_allclose(coloured_leg.surface_of(found).pressure, 25.0)
     text = person_page(found)
     assert "<strong>31.4 mmHg</strong>" in text and "finite elements, coarse" in text
 
@@ -317,7 +324,7 @@ def test_command_for_people_and_scripts(command, scan_file, study, told, tmp_pat
     assert "default-src 'none'" in text and f"<strong>{told.value:.1f} mmHg</strong>" in text
     assert not re.search(r"https?://|\bsrc=|<link|@import|\bfetch\(", text)
     data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.S)[1])
-    assert np.shape(data["points"]) == (surface.LEVELS, surface.RAYS, 3)
+    assert np.shape(data["points"]) == (coloured_leg.LEVELS, coloured_leg.RAYS, 3)
     assert np.max(data["pressure"]) == pytest.approx(1.5 * told.on_modes, abs=0.06)
 
 
@@ -327,7 +334,7 @@ def test_model_without_an_answer(command, scan_file, study, monkeypatch):
     def refuse(*_):
         raise SolverError("the steps became too small")
 
-    monkeypatch.setattr("surrogate_solvers.leg_bandage.prediction.prediction.solve_on", refuse)
+    monkeypatch.setattr("surrogate_solvers.leg_bandage.prediction.pressure.solve_on", refuse)
     status, out, _ = command(
         "predict", scan_file, *WORDS, "--study", study, "--tension", 0.1, "--solve", "--json"
     )
@@ -342,7 +349,7 @@ def test_finite_elements_on_the_scans_own_sections(scan, study):
 
     The scan is a mesh of the same leg, stood up by the fit.
     """
-    stored = json.loads((shape.DATA / "four_modes.json").read_text())
+    stored = json.loads((shape_correction.DATA / "four_modes.json").read_text())
     choice = choose_bandage(tension=stored["tension"], mu_skin=stored["mu_skin"])
     found = predict_pressure(scan, choice, Reduced.read(study), mesh="coarse")
     assert found.solved.value == pytest.approx(stored["own"][stored["leg"].index(UNSEEN)], rel=0.01)

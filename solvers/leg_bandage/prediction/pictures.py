@@ -7,8 +7,8 @@ from html import escape
 import numpy as np
 
 from ..scan.drawing import ticks
-from .prediction import Prediction
-from .surface import RAYS, SIDES, STOPS, Surface, colours
+from .coloured_leg import RAYS, SIDES, STOPS, Surface, colours
+from .pressure import Prediction
 
 EVERY = 2
 """Of the levels and rays, in pictures: their facets are still some 6 mm."""

@@ -12,7 +12,7 @@ from ..geometry.landmarks import Disc, sensor
 from ..geometry.leg import Leg
 from ..scan.drawing import ticks
 from ..scan.page import sensor_rim
-from .prediction import Prediction, Skin
+from .pressure import Prediction, Skin
 
 LEVELS, RAYS = 91, 72
 
