@@ -19,7 +19,7 @@ import numpy as np
 
 from ..algebra.system import Tangent
 from ..surfaces.interpolation import bspline, tensor
-from ..surfaces.surfaces import Strip
+from ..surfaces.strip import Strip
 from .fabric import Fabric
 from .kirchhoff_love import TWIST, energy, frame, gradient_and_hessian
 

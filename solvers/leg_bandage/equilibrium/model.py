@@ -15,7 +15,8 @@ from ..bandage.shell import Shell
 from ..contact.law import ContactLaw
 from ..contact.point_to_surface import Contact, Points
 from ..geometry.leg import Leg
-from ..surfaces.surfaces import Skin, Strip
+from ..surfaces.skin import Skin
+from ..surfaces.strip import Strip
 from ..tissue.mesh import LegMesh, leg_mesh
 from ..tissue.neo_hooke import Tissue
 from ..wrapping.lay import Lay

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ..surfaces.surfaces import Skin
+from ..surfaces.skin import Skin
 from ..tissue.mesh import LegMesh
 from ..wrapping.lay import Lay, lay_rows
 from ..wrapping.spiral import Wrap, midline_arc

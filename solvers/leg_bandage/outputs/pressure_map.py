@@ -17,7 +17,8 @@ from ..equilibrium.model import Model, midpoints, skin_parameters
 from ..geometry.landmarks import Disc
 from ..geometry.leg import Leg
 from ..surfaces.projection import project, solve2
-from ..surfaces.surfaces import Skin, Strip, interpolate_strip
+from ..surfaces.skin import Skin
+from ..surfaces.strip import Strip, interpolate_strip
 
 MMHG = 1.33322e-4
 """MPa in one millimetre of mercury."""

@@ -52,3 +52,8 @@ def tensor(first, second):
     n = A.shape[1]
     size = A.shape[0] * B.shape[0]
     return np.stack([np.einsum("an,bn->nab", a, b).reshape(n, size) for a, b in pairs])
+
+
+def gather(nodes, weights, x):
+    """Jet (n, 6, 3) from nodes (n, k), weights (6, n, k) and positions x (nodes, 3)."""
+    return np.matmul(weights.transpose(1, 0, 2), x[nodes])

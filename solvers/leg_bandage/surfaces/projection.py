@@ -1,7 +1,7 @@
 """Closest points on a smooth surface: Newton on (x - y) . y_a = 0 in its two parameters.
 
 The derivative is a - d . y_ab with d = x - y and the metric a (Wriggers 2006, ch. 4).
-Surfaces and their jets: `surfaces.py`.
+Surfaces and their jets: the first lines of this chapter.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from ..bandage.products import NOMINAL, at_tension
 from ..contact.law import ContactLaw
 from ..equilibrium.solution import Tolerances
 from ..outputs.pressure_map import MMHG
-from ..surfaces.surfaces import Mandrel
+from ..surfaces.rigid import Mandrel
 from ..tissue.mesh import cylindrical_surface, leg_mesh
 from ..wrapping.spiral import Wrap
 from .mandrel import ring_on_tube, ring_wrap, wrap_mandrel

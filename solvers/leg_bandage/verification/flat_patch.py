@@ -22,7 +22,8 @@ from ..bandage.shell import Shell
 from ..contact.law import ContactLaw
 from ..contact.point_to_surface import Contact, Points
 from ..equilibrium.solution import Problem, Tolerances, Viscosity
-from ..surfaces.surfaces import Skin, Strip
+from ..surfaces.skin import Skin
+from ..surfaces.strip import Strip
 from ..tissue.neo_hooke import Tissue
 from ..wrapping.lay import shares
 from .follower_pressure import bandage_pressure

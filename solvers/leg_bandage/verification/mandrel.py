@@ -16,7 +16,9 @@ from ..contact.law import ContactLaw
 from ..contact.point_to_surface import Contact, Points
 from ..equilibrium.model import skin_parameters
 from ..equilibrium.solution import Problem, Tolerances, Viscosity, pseudo_transient
-from ..surfaces.surfaces import Mandrel, Skin, Strip
+from ..surfaces.rigid import Mandrel
+from ..surfaces.skin import Skin
+from ..surfaces.strip import Strip
 from ..tissue.mesh import LegMesh
 from ..tissue.neo_hooke import Tissue
 from ..wrapping.lay import lay

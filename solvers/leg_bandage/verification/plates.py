@@ -15,7 +15,7 @@ from scipy.sparse.linalg import spsolve
 
 from ..bandage.fabric import Fabric
 from ..bandage.shell import Shell
-from ..surfaces.surfaces import Strip, interpolate_strip
+from ..surfaces.strip import Strip, interpolate_strip
 from .newton import held, newton, tangent_matrix
 
 

@@ -16,7 +16,7 @@ from scipy.sparse import csr_array, eye_array, kron
 
 from ..bandage.fabric import Fabric
 from ..bandage.shell import Shell
-from ..surfaces.surfaces import Strip
+from ..surfaces.strip import Strip
 from ..tissue.mesh import LegMesh, cylindrical_surface, leg_mesh
 from ..tissue.neo_hooke import Tissue
 from .follower_pressure import skin_pressure

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ..surfaces.surfaces import Strip, interpolate_strip
+from ..surfaces.strip import Strip, interpolate_strip
 from .spiral import Surface, Wrap, across, midline_arc, normals
 from .turns import turns_beneath
 

@@ -12,7 +12,7 @@ from surrogate_solvers.leg_bandage.algebra.reused_factors import SHARE, ReusedFa
 from surrogate_solvers.leg_bandage.algebra.system import System, compress
 from surrogate_solvers.leg_bandage.bandage.products import NOMINAL
 from surrogate_solvers.leg_bandage.bandage.shell import Shell
-from surrogate_solvers.leg_bandage.surfaces.surfaces import Strip
+from surrogate_solvers.leg_bandage.surfaces.strip import Strip
 from surrogate_solvers.leg_bandage.tissue.mesh import cylindrical_surface, leg_mesh
 from surrogate_solvers.leg_bandage.tissue.neo_hooke import Tissue
 from surrogate_solvers.leg_bandage.verification.plates import laid

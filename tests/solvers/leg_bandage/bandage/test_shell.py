@@ -11,7 +11,7 @@ from scipy.special import ellipeinc, ellipkinc
 from surrogate_solvers.leg_bandage.bandage.fabric import Fabric
 from surrogate_solvers.leg_bandage.bandage.products import NOMINAL, at_tension
 from surrogate_solvers.leg_bandage.bandage.shell import Shell
-from surrogate_solvers.leg_bandage.surfaces.surfaces import Strip
+from surrogate_solvers.leg_bandage.surfaces.strip import Strip
 from surrogate_solvers.leg_bandage.verification.follower_pressure import bandage_pressure
 from surrogate_solvers.leg_bandage.verification.newton import held, newton
 from surrogate_solvers.leg_bandage.verification.plates import (

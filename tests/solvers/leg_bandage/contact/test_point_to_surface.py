@@ -9,13 +9,9 @@ from surrogate_solvers.leg_bandage.contact.law import ContactLaw
 from surrogate_solvers.leg_bandage.contact.point_to_surface import Contact, Points
 from surrogate_solvers.leg_bandage.contact.sparsity import PatternOutgrown
 from surrogate_solvers.leg_bandage.surfaces.projection import project
-from surrogate_solvers.leg_bandage.surfaces.surfaces import (
-    Mandrel,
-    Plane,
-    Skin,
-    Strip,
-    interpolate_strip,
-)
+from surrogate_solvers.leg_bandage.surfaces.rigid import Mandrel, Plane
+from surrogate_solvers.leg_bandage.surfaces.skin import Skin
+from surrogate_solvers.leg_bandage.surfaces.strip import Strip, interpolate_strip
 
 LAW = ContactLaw(mu=0.3, penalty=0.2, ramp=0.02, elastic_slip=0.05)
 

@@ -15,7 +15,7 @@ from surrogate_solvers.leg_bandage.equilibrium.solution import (
     Tolerances,
     pseudo_transient,
 )
-from surrogate_solvers.leg_bandage.surfaces.surfaces import Mandrel
+from surrogate_solvers.leg_bandage.surfaces.rigid import Mandrel
 from surrogate_solvers.leg_bandage.verification.mandrel import ring_wrap, wrap_mandrel
 
 

@@ -11,7 +11,7 @@ from surrogate_solvers.leg_bandage.equilibrium.progressive import deformed_skin
 from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
 from surrogate_solvers.leg_bandage.geometry.bone import bone_envelope
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
-from surrogate_solvers.leg_bandage.surfaces.surfaces import Mandrel
+from surrogate_solvers.leg_bandage.surfaces.rigid import Mandrel
 from surrogate_solvers.leg_bandage.verification.mandrel import around
 from surrogate_solvers.leg_bandage.wrapping.lay import element_rows, lay
 from surrogate_solvers.leg_bandage.wrapping.spiral import Wrap, wrap_for
