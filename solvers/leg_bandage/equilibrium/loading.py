@@ -14,7 +14,8 @@ import numpy as np
 from surrogate.errors import SolverError
 
 from .model import Model
-from .solution import NotConverged, pseudo_transient
+from .newton import NotConverged
+from .pseudo_transient import pseudo_transient
 
 FIRST_VISCOSITY = 2e-3
 BONDED_VISCOSITY = 2e-2, 1e-3

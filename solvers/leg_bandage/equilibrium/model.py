@@ -21,7 +21,8 @@ from ..tissue.mesh import LegMesh, leg_mesh
 from ..tissue.neo_hooke import Tissue
 from ..wrapping.lay import Lay
 from ..wrapping.spiral import Wrap
-from .solution import Problem, Tolerances, Viscosity
+from .newton import Problem, Tolerances
+from .viscosity import Viscosity
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 from ..bandage.fabric import Fabric
 from ..bandage.products import NOMINAL, at_tension
 from ..contact.law import ContactLaw
-from ..equilibrium.solution import Tolerances
+from ..equilibrium.newton import Tolerances
 from ..outputs.pressure_map import MMHG
 from ..surfaces.rigid import Mandrel
 from ..tissue.mesh import cylindrical_surface, leg_mesh

@@ -21,7 +21,8 @@ from ..bandage.fabric import Fabric
 from ..bandage.shell import Shell
 from ..contact.law import ContactLaw
 from ..contact.point_to_surface import Contact, Points
-from ..equilibrium.solution import Problem, Tolerances, Viscosity
+from ..equilibrium.newton import Problem, Tolerances
+from ..equilibrium.viscosity import Viscosity
 from ..surfaces.skin import Skin
 from ..surfaces.strip import Strip
 from ..tissue.neo_hooke import Tissue

@@ -15,7 +15,9 @@ from ..bandage.shell import Shell
 from ..contact.law import ContactLaw
 from ..contact.point_to_surface import Contact, Points
 from ..equilibrium.model import skin_parameters
-from ..equilibrium.solution import Problem, Tolerances, Viscosity, pseudo_transient
+from ..equilibrium.newton import Problem, Tolerances
+from ..equilibrium.pseudo_transient import pseudo_transient
+from ..equilibrium.viscosity import Viscosity
 from ..surfaces.rigid import Mandrel
 from ..surfaces.skin import Skin
 from ..surfaces.strip import Strip

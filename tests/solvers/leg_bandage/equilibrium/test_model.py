@@ -11,7 +11,7 @@ import pytest
 
 from surrogate.errors import SolverError, StudyError
 from surrogate_solvers.leg_bandage.equilibrium import loading, model
-from surrogate_solvers.leg_bandage.equilibrium.solution import NotConverged
+from surrogate_solvers.leg_bandage.equilibrium.newton import NotConverged
 from surrogate_solvers.leg_bandage.geometry.landmarks import Disc
 from surrogate_solvers.leg_bandage.outputs import export, picture
 from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG, on_disc, pressure_map
@@ -117,7 +117,7 @@ def test_a_run_that_does_not_converge_says_so(result, monkeypatch):
     def stuck(self, u, force=None):
         raise NotConverged(1.5, result.model.strip.offset * 3 + 1)
 
-    monkeypatch.setattr("surrogate_solvers.leg_bandage.equilibrium.solution.Problem.newton", stuck)
+    monkeypatch.setattr("surrogate_solvers.leg_bandage.equilibrium.newton.Problem.newton", stuck)
     with pytest.raises(SolverError, match=r"no equilibrium: .* 1\.5e\+00 N unbalanced \(y of"):
         loading.solve(result.model)
 

@@ -9,12 +9,8 @@ import pytest
 
 from surrogate_solvers.leg_bandage.bandage.products import at_tension
 from surrogate_solvers.leg_bandage.contact.law import ContactLaw
-from surrogate_solvers.leg_bandage.equilibrium.solution import (
-    NotConverged,
-    Problem,
-    Tolerances,
-    pseudo_transient,
-)
+from surrogate_solvers.leg_bandage.equilibrium.newton import NotConverged, Problem, Tolerances
+from surrogate_solvers.leg_bandage.equilibrium.pseudo_transient import pseudo_transient
 from surrogate_solvers.leg_bandage.surfaces.rigid import Mandrel
 from surrogate_solvers.leg_bandage.verification.mandrel import ring_wrap, wrap_mandrel
 

@@ -1,11 +1,6 @@
-"""Newton's method and the motion of the bandage until it rests.
+"""One nonlinear system, solved by Newton's method at a fixed viscosity and contact law.
 
-Sliding is a motion, not a load step. Each step is an implicit Euler step of
-c A dx/dt = force with a small viscosity c on bandage and skin, so that a bandage that has
-let go, and the skin that slips under it, move until friction and geometry hold them again.
-c falls while Newton
-converges and rises when it does not; no step starts from a state that has not converged.
-Units: N, mm, MPa; c in MPa/mm.
+The parts are summed into one residual and tangent. Units: N, mm, MPa.
 """
 
 from __future__ import annotations
@@ -20,6 +15,7 @@ from surrogate.errors import SolverError
 from ..algebra.system import System
 from ..contact.point_to_surface import Contact
 from ..contact.sparsity import PatternOutgrown
+from .viscosity import Viscosity
 
 
 @dataclass(frozen=True)
@@ -51,12 +47,6 @@ class Tolerances:
 
 UNBALANCED, PASSING = 5e-7, 3e-4
 """MPa: unbalanced traction of a final state (0.004 mmHg), and of a state on the way."""
-FALL = 4.0
-"""By how much the viscosity falls from step to step at most, and rises after a failure by."""
-LONG_MOVE = 1.0
-"""mm; the viscosity falls only as long as steps stay shorter; less after failures."""
-EASY = 5
-"""Newton iterations of a step after which the viscosity may fall fully."""
 HOPELESS, PATIENCE = 1e2, 3
 """A step is given up when so many tolerances are unbalanced and for so many iterations the
 unbalanced force has not come below what it was before."""
@@ -76,23 +66,6 @@ class Cost:
     def add(self, stage: str, start: float) -> None:
         """Book the time since `start` (perf_counter) under a stage."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
-
-
-class Viscosity:
-    """Viscous force c A (x - x_n) on the bandage's control points and on the skin, as a part.
-
-    area (nodes,) is the share of laid area, or of skin, of each node.
-    """
-
-    def __init__(self, area: np.ndarray):
-        self.area = np.repeat(area, 3)
-        self.coefficient, self.origin = 0.0, np.zeros(self.area.size)
-        self.rows = self.cols = np.flatnonzero(self.area).astype(np.int32)
-
-    def linearise(self, u):
-        """Residual (ndof,) and tangent, a diagonal (nnz,)."""
-        damping = self.coefficient * self.area
-        return damping * (u - self.origin), lambda: damping[self.rows]
 
 
 class NotConverged(Exception):
@@ -228,45 +201,3 @@ class Problem:
                 self.restore(state)
                 du, step = du / 2, step / 2
         raise NotConverged(np.inf, 0)
-
-
-def pseudo_transient(problem: Problem, u, viscosity: float, until: float = 0.0, watch=None):
-    """Pseudo-transient continuation (Kelley and Keyes 1998): follow the bandage until it rests.
-
-    Returns u and the last viscous traction, MPa. Ends when the viscosity has come down to
-    `until`, or, without it, when the bandage rests. From the third on a step starts from
-    where the last one was heading; after a failure the viscosity rises and steps are kept
-    shorter. watch(step, viscosity, move, iterations) is told about each accepted step.
-    Raises NotConverged when the largest viscosity does not help or the steps run out.
-    """
-    limits, damper, cost = problem.tolerances, problem.viscosity, problem.cost
-    smallest, largest = max(until, limits.viscosity[0]), limits.viscosity[1]
-    moving, reach, heading = damper.area > 0, LONG_MOVE, np.zeros_like(u)
-    left, accepted = (np.inf, 0), 0
-    for step in range(limits.steps):
-        damper.coefficient, damper.origin = viscosity, u
-        state, final = problem.state(), viscosity <= smallest
-        try:
-            new, iterations = problem.newton(u + heading, limits.force if final else limits.passing)
-        except NotConverged as trouble:
-            problem.restore(state)
-            cost.cut_backs += 1
-            left, heading = (trouble.residual, trouble.dof), np.zeros_like(u)
-            viscosity, reach = viscosity * FALL, max(0.7 * reach, LONG_MOVE / 4)
-            if viscosity > largest:
-                break
-            continue
-        cost.steps += 1
-        accepted += 1
-        for contact in problem.contacts:
-            contact.accept(new)
-        change, u = new - u, new
-        move = float(np.abs(change[moving]).max())
-        if watch:
-            watch(step, viscosity, move, iterations)
-        if final and (until or viscosity * move < limits.rest):
-            return u, viscosity * move
-        heading = change if accepted > 1 else heading
-        fall = np.clip((reach / move) ** 2, 1.0, FALL if iterations <= EASY else FALL / 2)
-        viscosity = max(viscosity / fall, smallest)
-    raise NotConverged(*left)  # a kept exception would keep its frames, and with them all factors
