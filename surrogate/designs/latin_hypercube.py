@@ -1,37 +1,44 @@
 """Latin hypercube: each parameter takes `runs` different values, one in each equal slice.
 
-McKay, Beckman and Conover 1979. `maximin` moves the points as far apart as it can:
-minimises phi = sum over pairs of distance^-p (Morris and Mitchell 1995) by exchanging two
-values of a column, accepted as in the enhanced stochastic evolutionary algorithm of Jin,
-Chen and Sudjianto 2005.
+McKay, Beckman and Conover 1979. `maximin` moves the points as far apart as it can, by
+exchanging values within a column (Morris and Mitchell 1995; Jin, Chen and Sudjianto 2005).
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surrogate.designs.maximin import maximin
-from surrogate.designs.requirements import affordable, choice, whole
+from surrogate.designs.requirements import affordable, choice, number, whole
 from surrogate.space.space import Space
 
 CRITERIA = ("maximin", "random")
 
 
 def latin_hypercube(
-    space: Space, *, runs: int, criterion: str = "maximin", seed=None
-) -> np.ndarray:
+    space: Space,
+    *,
+    runs: int,
+    criterion: str = "maximin",
+    effort: float = 1.0,
+    seed: int | None = None,
+) -> NDArray[np.float64]:
     """`runs` points, coded (run, parameter), by the law of each parameter.
 
-    criterion  maximin: in the middle of the slices, as far apart as possible;
-               random: anywhere in the slices, in random order
+    criterion  maximin: in the middle of the slices, as far apart as possible (beyond 10,000
+               runs in random order); random: anywhere in the slices, in random order
+    effort     how many times the usual number of exchanges maximin tries: 10 takes ten times
+               as long and brings the points some per cent further apart
     Correlated parameters keep their slices and take the rank correlation of the space.
     """
     runs = whole("runs", runs, 1)
     affordable(runs * space.size, "latin_hypercube", "lower runs, or use sobol")
     rng = np.random.default_rng(seed)
     ranks = rng.permuted(np.tile(np.arange(runs)[:, None], space.size), axis=0)
+    effort = number("effort", effort, 0.01, 1e6)
     if choice("criterion", criterion, CRITERIA) == "maximin":
-        ranks, within = maximin(ranks, rng), np.full(ranks.shape, 0.5)
+        ranks, within = maximin(ranks, rng, effort), np.full(ranks.shape, 0.5)
     else:
         within = rng.random(ranks.shape)
     if not space.independent:

@@ -1,98 +1,140 @@
 """Maximin Latin hypercubes by exchanges within a column.
 
-Criterion: phi = sum over pairs of (squared distance)^-q, q = 10, that is Morris and
-Mitchell's phi_p with p = 20 (1995, equation 2.2): near enough to the smallest distance, and
-smooth. Search: enhanced stochastic evolution, Jin, Chen and Sudjianto 2005.
+Criterion: phi = sum over pairs of (squared distance)^-16, that is Morris and Mitchell's
+phi_p with p = 32 (1995, equation 2.2): near to the smallest distance, and smooth. Search:
+exchanges as in Jin, Chen and Sudjianto 2005, but of points that lie close to others: an
+exchange of two points that are far from all others cannot help. Worse designs are
+accepted by a threshold that falls to zero (Dueck and Scheuer 1990).
+
+Ranks and squared distances are whole numbers and potentials are rounded to whole numbers,
+so every sum is exact and the design is the same on every processor.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-#: Rounds between changes of the threshold, and rounds in all.
-ROUNDS_PER_STAGE = 25
-ROUNDS = 8000
-#: Of all pairs of runs, this share is tried for exchange in a round, up to the largest number.
-SHARE_TRIED, MOST_TRIED = 0.15, 40
-#: Work of a round is tried exchanges x runs x parameters; this much in all at most.
-LARGEST_WORK = 2e9
+Floats = NDArray[np.float64]
+Ranks = NDArray[np.int64]
+
+#: Exchanges by default: so many a run, with exchanges x runs at most this, but at least so many.
+EXCHANGES, LARGEST_WORK, FEWEST = 12, 2.5e6, 500
+#: An exchange is the best of this many; its first point has the largest potential of this share.
+TRIED, DRAWN = 40, 0.03
+#: An exchange may raise phi by this share of the first point's potential, at the start.
+THRESHOLD = 0.1
+#: Larger designs are left as they are: a search that they would notice takes hours.
+LARGEST = 10_000
+#: Potential of the closest pair, and potential at which it is measured anew.
+UNIT, FADED = 2.0**36, 2.0**26
+#: Rows of the distance matrix that are in memory at a time.
+ROWS = 256
 
 
-def maximin(ranks: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+def maximin(ranks: Ranks, rng: np.random.Generator, effort: float = 1.0) -> Ranks:
     """Ranks (run, parameter) of a Latin hypercube whose points lie far apart.
 
-    ranks: the integers 0..runs-1 in each column, in any order. Deterministic for a given
-    generator: the search is bounded by rounds, not by time.
+    ranks: the integers 0..runs-1 in each column, in any order. effort: how many times the
+    usual number of exchanges. The search is bounded by exchanges, not by time, so that the
+    same generator gives the same search.
     """
     runs, parameters = ranks.shape
-    if runs < 3 or parameters < 2:
+    if runs < 3 or parameters < 2 or runs > LARGEST:
         return ranks
-    x = ranks.astype(float)
-    tried = int(np.clip(SHARE_TRIED * runs * (runs - 1) / 2, 1, MOST_TRIED))
-    rounds = int(np.clip(LARGEST_WORK / (tried * runs * parameters), 200, ROUNDS))
-    best, best_phi = x.copy(), _phi(x)
-    phi, threshold = best_phi, 0.005
-    for _ in range(rounds // ROUNDS_PER_STAGE):
-        accepted, improved, start = 0, 0, best_phi
-        for step in range(ROUNDS_PER_STAGE):
-            column = step % parameters
-            pair, change = _best_exchange(x, column, tried, rng)
-            # Relative to the present value: phi falls by orders of magnitude on the way.
-            if change <= threshold * phi * rng.random():
-                x[pair, column] = x[pair[::-1], column]
-                phi += change
-                accepted += 1
-                if phi < best_phi:
-                    best, best_phi, improved = x.copy(), phi, improved + 1
-        phi = _phi(x)
-        threshold *= _heating(
-            accepted / ROUNDS_PER_STAGE, improved / ROUNDS_PER_STAGE, best_phi < start
-        )
-    return best.astype(int)
+    usual = max(FEWEST, min(EXCHANGES * runs, LARGEST_WORK / runs))
+    exchanges = max(1, round(effort * usual))
+    interval = max(100, runs)
+    search = Search(ranks.astype(float))
+    best, best_quality, measured = ranks, search.quality, 0
+    for step in range(exchanges):
+        if step - measured == interval or search.faded:
+            search.measure()
+            measured = step
+            if search.quality > best_quality:
+                best, best_quality = search.x.astype(np.int64), search.quality
+        search.exchange(THRESHOLD * (1.0 - step / exchanges), rng)
+    search.measure()
+    return search.x.astype(np.int64) if search.quality > best_quality else best
 
 
-def _heating(accepted: float, improved: float, better: bool) -> float:
-    """Factor on the threshold: Jin et al. 2005, section 3.3, improving and exploring."""
-    if better:
-        return 0.8 if accepted > 0.1 and improved < accepted else 1.0 / 0.8
-    return 1.0 / 0.7 if accepted < 0.1 else 0.9 if accepted > 0.8 else 1.0
+class Search:
+    """A design and the potential of each point, its share of phi in units of the closest pair.
 
-
-def _phi(x: np.ndarray) -> float:
-    """Sum over pairs of the inverse power of their squared distance; x (run, parameter)."""
-    return sum(
-        _inverse_power(((x[i + 1 :] - x[i]) ** 2).sum(axis=1)).sum() for i in range(len(x) - 1)
-    )
-
-
-def _inverse_power(squared: np.ndarray) -> np.ndarray:
-    """squared^-10 by multiplication: the power function would take most of the time."""
-    a = 1.0 / squared
-    b = a * a
-    c = b * b
-    return c * c * b
-
-
-def _best_exchange(x: np.ndarray, column: int, tried: int, rng) -> tuple[np.ndarray, float]:
-    """Of `tried` random pairs of runs, the one best exchanged in `column`; the change of phi.
-
-    Only distances from those two runs change; that between them does not.
+    x           ranks, (run, parameter)
+    closest     squared distance of the closest pair when it was last measured
+    potentials  sum over the other points of UNIT (closest / squared distance)^16, (run,)
     """
-    runs = len(x)
-    first = rng.integers(runs, size=tried)
-    second = (first + rng.integers(1, runs, size=tried)) % runs
-    norms = (x * x).sum(axis=1)
-    mine = np.concatenate([first, second])
-    other = np.concatenate([second, first])
-    # Ranks are whole numbers, so this way to write distances is exact.
-    squared = norms[mine, None] + norms - 2.0 * (x[mine] @ x.T)
-    values = x[:, column]
-    shift = values[other] ** 2 - values[mine] ** 2
-    after = squared + shift[:, None] - 2.0 * np.outer(values[other] - values[mine], values)
-    row = np.arange(len(mine))
-    for distances in (squared, after):
-        distances[row, mine] = distances[row, other] = np.inf
-    change = (_inverse_power(after) - _inverse_power(squared)).sum(axis=1)
-    change = change[:tried] + change[tried:]
-    best = int(np.argmin(change))
-    return np.array([first[best], second[best]]), float(change[best])
+
+    x: Floats
+    closest: float
+    potentials: Floats
+
+    def __init__(self, x: Floats) -> None:
+        self.x, self.norms = x, (x * x).sum(axis=1)
+        self.measure()
+
+    @property
+    def faded(self) -> bool:
+        """Whether the points have moved so far apart that the unit is too coarse."""
+        return bool(self.potentials.max() < FADED)
+
+    @property
+    def quality(self) -> tuple[float, float]:
+        """Larger is better: the smallest distance, then phi; right after `measure` only."""
+        return self.closest, -float(self.potentials.sum())
+
+    def measure(self) -> None:
+        """Find the closest pair and the potentials in its units."""
+        runs = len(self.x)
+        parts = [np.arange(start, min(start + ROWS, runs)) for start in range(0, runs, ROWS)]
+        self.closest = min(float(self._squared(part).min()) for part in parts)
+        self.potentials = np.concatenate(
+            [self._potential(self._squared(part)).sum(axis=1) for part in parts]
+        )
+
+    def exchange(self, threshold: float, rng: np.random.Generator) -> None:
+        """Exchange a value of a crowded point with the best of some points, if that is good.
+
+        threshold: by which share of the point's potential phi may rise.
+        """
+        runs, parameters = self.x.shape
+        drawn = rng.integers(runs, size=max(2, round(DRAWN * runs)))
+        first = drawn[np.argmax(self.potentials[drawn])]
+        column = rng.integers(parameters)
+        others = rng.integers(runs - 1, size=min(TRIED, runs - 1))
+        others += others >= first
+        values = self.x[:, column]
+        own, theirs = values[first], values[others]
+        before = self._squared(np.append(others, first))
+        shift = (theirs**2 - own**2)[:, None] - 2.0 * np.outer(theirs - own, values)
+        tried = np.arange(len(others))
+        between = before[tried, first]
+        after = np.stack([before[-1] + shift, before[:-1] - shift])
+        after[0, tried, others] = after[1, tried, first] = between
+        potential = self._potential(after)
+        sums = potential.sum(axis=2)
+        change = sums.sum(axis=0) - self.potentials[first] - self.potentials[others]
+        best = int(np.argmin(change))
+        if change[best] < threshold * self.potentials[first] * rng.random():
+            second = others[best]
+            self.potentials += potential[:, best].sum(axis=0)
+            self.potentials -= self._potential(before[[best, -1]]).sum(axis=0)
+            self.potentials[[first, second]] = sums[:, best]
+            self.norms[[first, second]] += (theirs[best] ** 2 - own**2) * np.array([1.0, -1.0])
+            self.x[[first, second], column] = theirs[best], own
+
+    def _squared(self, mine: NDArray[np.int64]) -> Floats:
+        """Squared distances of the points `mine` to all points; infinite to themselves."""
+        products = self.x[mine] @ self.x.T
+        squared = self.norms[mine, None] + self.norms - 2.0 * products
+        squared[np.arange(len(mine)), mine] = np.inf
+        return np.asarray(squared)
+
+    def _potential(self, squared: Floats) -> Floats:
+        """Of pairs at these squared distances; by multiplication, which is exact everywhere."""
+        power = self.closest / squared
+        for _ in range(4):
+            power *= power
+        power *= UNIT
+        return np.rint(power, out=power)
