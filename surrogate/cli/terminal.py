@@ -192,12 +192,12 @@ def validate(study: Study, results: Path, cases: Path | None) -> Page:
 
 
 def _validation_tables(figures: Mapping[str, Any]) -> list[Any]:
-    """How many cases, which were set aside, and a table for each output."""
+    """How many cases, which were excluded, and a table for each output."""
     inside, why = figures["inside"]["values"], figures["outside"]["values"]
     labels, models = figures["case"]["values"], figures["model"]["values"]
     parts: list[Any] = [
         f"validation: {len(inside)} cases from {figures['attributes']['cases']}, "
-        f"{inside.count(False)} outside the ranges and set aside"
+        f"{inside.count(False)} outside the ranges and excluded"
     ]
     aside = [f"  {label}: {words}" for label, words in zip(labels, why, strict=True) if words]
     parts += aside[:10] + [f"  and {len(aside) - 10} more; the page lists all"] * (len(aside) > 10)
@@ -222,7 +222,7 @@ _AGREEMENT = {
     "bias": "bias",
     "lower_limit": "lower limit of agreement",
     "upper_limit": "upper limit of agreement",
-    "coverage_95": "share in 95 % intervals",
+    "coverage_95": "coverage of 95 % intervals",
 }
 
 
@@ -253,10 +253,10 @@ def outcome(study: Study, done: Outcome) -> Page:
 
 
 _COMPARED = {
-    "q2_cv": "Q2 (left out)",
+    "q2_cv": "Q2 (cross-validated)",
     "q2_test": "Q2 (test)",
     "rmse_test": "RMSE (test)",
-    "rmse_cv": "RMSE (left out)",
+    "rmse_cv": "RMSE (cross-validated)",
 }
 _INDICES = {
     "first_order": "first order",

@@ -41,7 +41,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
-    help="From an expensive simulation to a cheap model that can be trusted.",
+    help="Designs of experiments, surrogates and sensitivity analysis of expensive simulations.",
 )
 
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="The study file.")]
@@ -55,14 +55,18 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for scripts.")
 
 
 @app.callback(invoke_without_command=True)
-def _whole(version: Annotated[bool, typer.Option("--version", help="Show it.")] = False) -> None:
+def _whole(
+    version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
+) -> None:
     if version:
         print(__version__)
         raise typer.Exit()
 
 
 @app.command()
-def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Of the new study.")]) -> None:
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new study.")],
+) -> None:
     """Write NAME.yaml: a commented study to start from."""
     path = starting.write(name)
     print(f"{path} is written; next: surrogate check {path}")
@@ -70,7 +74,7 @@ def new(name: Annotated[str, typer.Argument(metavar="NAME", help="Of the new stu
 
 @app.command()
 def check(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
-    """Read a study; show parameters, designs, aliasing, run count and time. Runs nothing."""
+    """Show parameters, designs, aliasing, number of runs and time. Runs nothing."""
     loaded = Study.from_yaml(study)
     _show(terminal.check(loaded, results.folder_of(loaded, results_dir)), as_json)
 
@@ -85,10 +89,10 @@ def run(
         bool, typer.Option("--retry-failed", help="Do failed and timed-out runs again.")
     ] = False,
     fresh: Annotated[
-        bool, typer.Option("--fresh", help="Do every run again, taking nothing over.")
+        bool, typer.Option("--fresh", help="Do every run again, earlier and stored runs included.")
     ] = False,
 ) -> None:
-    """Go the whole way to the report, doing only what is missing. Ctrl-C is safe."""
+    """Do what is missing: runs, fits, indices, report. Ctrl-C is safe."""
     loaded = Study.from_yaml(study)
     for sentence in () if fresh else loaded.unused:
         print(sentence, file=sys.stderr)
@@ -106,7 +110,7 @@ def run(
 
 @app.command()
 def status(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
-    """Say how many runs are done, failed and left, and the time left."""
+    """Count the runs that are done, failed and left; show the time left."""
     loaded = Study.from_yaml(study)
     _show(terminal.status(loaded, results.folder_of(loaded, results_dir)), as_json)
 
@@ -155,7 +159,7 @@ def validate(
         typer.Option(metavar="FILE", help="CSV, runs dataset or study; default: the study's own."),
     ] = None,
 ) -> None:
-    """Set surrogates and models beside cases they have not seen. Runs no solver of the study."""
+    """Compare surrogates and other models with reference cases. Runs no solver of the study."""
     loaded = Study.from_yaml(study)
     _show(terminal.validate(loaded, results.folder_of(loaded, results_dir), cases), as_json)
 

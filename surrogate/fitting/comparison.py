@@ -1,9 +1,9 @@
 """Surrogates side by side: accuracy on common folds and on held-out runs, and cost.
 
 The best surrogate of an output has the largest cross-validated Q2; the test design
-judges it and takes no part in the choice, unless the surrogates learnt from different runs:
-errors left out of different runs do not compare, so the test design decides, and without one
-only those with the most runs compete.
+judges it and takes no part in the choice, unless the training designs differ: their
+cross-validated errors do not compare, so the test design decides, and without one only those
+with the most runs compete.
 """
 
 from __future__ import annotations
@@ -134,7 +134,7 @@ def paired_test(first: Fit, second: Fit) -> float:
     Corrected resampled t-test (Nadeau and Bengio 2003, equation 15): with d_k the
     difference of mean squared errors on fold k of K, t = mean(d) / sqrt((1 / K + r) var(d)),
     K - 1 degrees of freedom, r = size of a fold / size of the rest. NaN when the fits
-    learnt from different runs or some run cannot be left out.
+    have different training designs or some run cannot be left out.
     """
     if not np.array_equal(first.coded, second.coded) or not np.array_equal(
         first.folds, second.folds
@@ -163,14 +163,14 @@ class NestedTest:
     def sentence(self) -> str:
         """What the test says, in words."""
         start = (
-            f"{self.output}: the {self.test.df_terms} terms of {self.larger} that "
-            f"{self.smaller} has not"
+            f"{self.output}: the {self.test.df_terms} additional terms of {self.larger} "
+            f"against {self.smaller}"
         )
         if np.isnan(self.test.p):
-            return f"{start} cannot be tested; {self.larger} leaves no residual to test against."
-        verdict = "explain more than" if self.test.p < SIGNIFICANT else "explain no more than"
+            return f"{start} cannot be tested: {self.larger} has no residual degrees of freedom."
+        verdict = "are significant" if self.test.p < SIGNIFICANT else "are not significant"
         return (
-            f"{start} {verdict} their number would by chance (F = {self.test.f:.3g} on "
+            f"{start} {verdict} (F = {self.test.f:.3g} on "
             f"{self.test.df_terms} and {self.test.df_residual} degrees of freedom, "
             f"p = {self.test.p:.2g})."
         )
@@ -224,16 +224,12 @@ def _scores(
     if able.any() and same[able].all():
         return q2_cv, "cross-validated Q2", ""
     if np.isfinite(q2_test).any():
-        why = (
-            "the surrogates learnt from different runs"
-            if able.any()
-            else "no surrogate can be cross-validated"
-        )
+        why = "the training designs differ" if able.any() else "no surrogate can be cross-validated"
         return q2_test, "Q2 on the test design", why
     return (
         np.where(same, q2_cv, np.nan),
-        "cross-validated Q2 of those that learnt from most runs",
-        "",
+        "cross-validated Q2",
+        "only those with the most training runs compete",
     )
 
 
@@ -268,21 +264,22 @@ def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) ->
 def _sentence(output: str, verdict: dict, score: float, how: str, why: str) -> str:
     if not np.isfinite(score):
         return (
-            f"{output}: the surrogates cannot be told apart, for lack of runs to leave out "
-            "and of a test design."
+            f"{output}: the surrogates cannot be ranked, because no run can be left out of the "
+            "training design and there is no test design."
         )
     figure = f"{score:.4g}; {why}" if why else f"{score:.4g}"
-    start = f"{output}: {verdict['best']} has the largest {how} ({figure})"
-    if not verdict["runner_up"]:
-        return f"{start}; no other surrogate could be judged."
-    start += f", {verdict['margin']:.2g} above {verdict['runner_up']}"
+    start = f"{output}: best is {verdict['best']} ({how} {figure})."
+    second, lower = verdict["runner_up"], f"Q2 {verdict['margin']:.2g} lower"
+    if not second:
+        return f"{start} No other surrogate can be ranked."
     if np.isnan(verdict["margin_p"]):
-        return f"{start}; whether that exceeds chance cannot be tested."
-    relation = "more" if verdict["margin_clear"] else "no more"
-    return (
-        f"{start}; that is {relation} than the scatter between folds (p = "
-        f"{verdict['margin_p']:.2g})."
+        return f"{start} Second is {second} ({lower}; the difference cannot be tested)."
+    relation = (
+        "is worse by more than the scatter between folds"
+        if verdict["margin_clear"]
+        else "is as good within the scatter between folds"
     )
+    return f"{start} {second} {relation} ({lower}, p = {verdict['margin_p']:.2g})."
 
 
 def _dataset(surrogates, outputs, columns, coverage, verdicts) -> xr.Dataset:

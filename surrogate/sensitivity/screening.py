@@ -57,7 +57,7 @@ class Screening:
 
     @property
     def keep(self) -> tuple[str, ...]:
-        """Parameters that go on varying, in the space's order."""
+        """Parameters to keep, in the space's order."""
         return tuple(v.parameter for v in self.verdicts if not v.frozen)
 
     @property
@@ -79,7 +79,7 @@ class Screening:
     def sentences(self) -> tuple[str, ...]:
         """The decision in words: one sentence or two for each parameter, then the old rule's."""
         old = (
-            f"One parameter moved at a time, the rule of {self.threshold:.0%} keeps "
+            f"The one-at-a-time rule of {self.threshold:.0%} keeps "
             f"{', '.join(self.kept_by_old_rule) or 'nothing'}."
         )
         return (*filter(None, [self.refused]), *(v.sentence for v in self.verdicts), old)
@@ -113,10 +113,10 @@ def decide(
     draws: int = 100,
     seed=0,
 ) -> Screening:
-    """Freeze each parameter whose total index is surely below `freeze_below`.
+    """Freeze each parameter whose total index has an interval below `freeze_below`.
 
-    indices    dataset of method sobol; "surely" means the upper end of the interval of the
-               total index, for every output concerned
+    indices    dataset of method sobol; the upper end of the interval of the total index
+               decides, for every output concerned
     fits       output -> fit (or function of coded points) that the indices were computed of
     outputs    the outputs concerned; default: all in `indices`
     nominal    name -> physical value at which to freeze; default: the middle of the range
@@ -211,7 +211,7 @@ def _sentence(row: xr.Dataset, value: str, freeze_below: float, frozen: bool, re
     name, output = row["parameter"].item(), row["output"].item()
     total, low, high = (float(row[key]) for key in ("total", "total_low", "total_high"))
     if refused:
-        return f"{name}: keep, because its indices are not to be relied on."
+        return f"{name}: keep, because its indices cannot be trusted."
     if frozen:
         return (
             f"{name}: freeze at {value}. Its total index is at most {high:.2g} ({output}), "
@@ -221,13 +221,13 @@ def _sentence(row: xr.Dataset, value: str, freeze_below: float, frozen: bool, re
         return f"{name}: keep. Its total index is {total:.2g} and at least {low:.2g} ({output})."
     missed = 1.0 - float(row["q2"])
     cause = (
-        f"the surrogate misses {missed:.1%} of the variance; a better one could settle it"
+        f"the surrogate misses {missed:.1%} of the variance; a more accurate surrogate may decide"
         if missed > 0.5 * freeze_below
-        else "more samples or runs could settle it"
+        else "more samples or more runs may decide"
     )
     return (
-        f"{name}: keep, not settled. Its total index is {total:.2g} but may be {high:.2g} "
-        f"({output}), not surely below {freeze_below:g}: {cause}."
+        f"{name}: keep, undecided. Its total index is {total:.2g}, at most {high:.2g} ({output}), "
+        f"and the limit is {freeze_below:g}: {cause}."
     )
 
 

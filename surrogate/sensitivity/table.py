@@ -98,12 +98,12 @@ def refuse(model: Model, q2_needed: float) -> str:
         return ""
     if model.q2 is None or np.isnan(model.q2):
         return (
-            f"Not to be relied on: the Q2 of surrogate {model.surrogate} for {model.output} is "
+            f"Not to be trusted: the Q2 of surrogate {model.surrogate} for {model.output} is "
             "not known, so nothing says that its indices are those of the solver. Add runs or "
             "a test design."
         )
     return (
-        f"Not to be relied on: surrogate {model.surrogate} predicts {model.output} with "
+        f"Not to be trusted: surrogate {model.surrogate} predicts {model.output} with "
         f"Q2 = {model.q2:.2f}, below the {q2_needed:g} that its indices need. "
         "Add runs or choose another surrogate."
     )

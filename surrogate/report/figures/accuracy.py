@@ -12,7 +12,7 @@ from surrogate.report.drawing import WIDTH, Scale, drawing, label_room, mark, te
 from surrogate.report.figures.rows import Rows
 
 ROW = 24.0
-TITLES = {"hollow": "cross-validated", "filled": "held out"}
+TITLES = {"hollow": "cross-validated", "filled": "held-out"}
 #: The scale begins at 0 at the lowest and at this at the highest.
 HIGHEST_START = 0.9
 #: Room of the sign and the number of a Q2 off the scale, and of a disc on it.

@@ -29,7 +29,7 @@ def calibration_plot(level, observed, runs: int, what: str) -> Markup:
             4.0,
             data_tip=(
                 f"{digits.percent(float(x))} intervals\n"
-                f"hold {digits.percent(float(y))} of the values"
+                f"contain {digits.percent(float(y))} of the values"
             ),
         )
         for x, y in zip(level, observed, strict=True)

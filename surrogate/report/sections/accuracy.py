@@ -1,4 +1,4 @@
-"""How good each surrogate of an output is, on runs that it has not seen."""
+"""Accuracy of each surrogate of an output: cross-validated, and on held-out runs."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ def _comparison(content: Content, output: str, names: list[str]) -> list:
         figures.append(
             Figure(
                 accuracy_plot(names, cv, test, output),
-                "Q² of each surrogate: open disc by cross-validation, filled disc on the held-out "
-                f"runs. 1 is perfect, 0 is no better than the mean.{_off_scale(cv, test)}",
+                "Q² of each surrogate. Open disc: cross-validated; filled disc: on the held-out "
+                f"runs. 1 is perfect; 0 is as good as the mean.{_off_scale(cv, test)}",
             )
         )
     figures += _calibration(content, output)
@@ -56,11 +56,11 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
     unit = content.unit(output)
     best = content.best(output)
     titles = {
-        "q2_cv": "Q² cross-validated",
-        "rmse_cv": digits.labelled("RMSE cross-validated", unit),
-        "q2_test": "Q² held out",
-        "rmse_test": digits.labelled("RMSE held out", unit),
-        "max_error_test": digits.labelled("largest error held out", unit),
+        "q2_cv": "Q² (cross-validated)",
+        "rmse_cv": digits.labelled("RMSE, cross-validated", unit),
+        "q2_test": "Q² (held-out)",
+        "rmse_test": digits.labelled("RMSE, held-out", unit),
+        "max_error_test": digits.labelled("largest error, held-out", unit),
         "coverage_95": "coverage of 95 % intervals",
         "fit_seconds": "fit time",
         "predict_seconds": "time of 1000 predictions",
@@ -91,10 +91,10 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
             line.append(Cell(words, float(value) if np.isfinite(value) else None, tone))
         lines.append(tuple(line))
     caption = f"Surrogates of {output} on the same folds and the same held-out runs."
-    if not _learnt_alike(content, output):
+    if not _trained_alike(content, output):
         caption = (
-            f"Surrogates of {output} on the same held-out runs. They learnt from different "
-            "runs, so what is cross-validated does not compare."
+            f"Surrogates of {output} on the same held-out runs. Their training designs differ, "
+            "so their cross-validated figures do not compare."
         )
     return Table(
         caption,
@@ -107,11 +107,11 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
 def _off_scale(*scores) -> str:
     """What the sign at the left end of the scale means, where it stands."""
     known = np.concatenate([np.asarray(column, dtype=float) for column in scores])
-    return " ‹: below the scale, with its value." if (known < 0.0).any() else ""
+    return " ‹: value below the scale." if (known < 0.0).any() else ""
 
 
-def _learnt_alike(content: Content, output: str) -> bool:
-    """Whether all surrogates of an output learnt from the same runs."""
+def _trained_alike(content: Content, output: str) -> bool:
+    """Whether all surrogates of an output have the same training design."""
     first, *others = content.fits_of(output).values()
     return all(
         fit.coded.shape == first.coded.shape and np.array_equal(fit.coded, first.coded)
@@ -131,7 +131,7 @@ def margin(content: Content, output: str) -> str:
         return ""
     words = digits.squared(str(table["sentence"].sel(output=output).item()))
     words = words.removeprefix(f"{output}: ")
-    return words[:1].upper() + words[1:] if words.startswith("the ") else words
+    return words[:1].upper() + words[1:]
 
 
 def _calibration(content: Content, output: str) -> list[Figure]:
@@ -147,9 +147,9 @@ def _calibration(content: Content, output: str) -> list[Figure]:
     return [
         Figure(
             plot,
-            f"Calibration of {best}: the share of the held-out values inside "
-            "intervals of each level. On the line the intervals are honest, below "
-            f"it too narrow; inside the band {held} runs cannot tell.",
+            f"Calibration of {best}: share of the held-out values inside the prediction "
+            "intervals of each level. On the line the intervals are right; below it they are "
+            f"too narrow. Within the band, {held} runs show no difference.",
         )
     ]
 
@@ -157,7 +157,7 @@ def _calibration(content: Content, output: str) -> list[Figure]:
 def _held_out(content: Content, output: str) -> int:
     """Number of finished runs that coverage was counted on: those of the test design.
 
-    Of a study without one, the runs that no surrogate of the output has seen.
+    Of a study without one, the runs in no training design of the output.
     """
     finished = content.finished(output)
     if TEST in content.designs:
@@ -181,11 +181,11 @@ def _parities(content: Content, output: str, names: list[str]) -> list:
             (
                 Figure(
                     parity_plot(data, output, unit, best),
-                    f"{best}: {what}, surrogate over solver. {_reading(data)}",
+                    f"{best}: {what}, predicted against simulated. {_reading(data)}",
                 ),
                 Figure(
                     residual_plot(data, output, unit, best),
-                    f"{best}: what the surrogate misses. {_pattern(data, unit)}",
+                    f"{best}: residuals (simulated minus predicted). {_pattern(data, unit)}",
                 ),
             )
         ),
@@ -197,25 +197,27 @@ def _parities(content: Content, output: str, names: list[str]) -> list:
             figures.append(
                 Figure(
                     parity_plot(found, output, unit, name),
-                    f"{name}: surrogate over solver. {_reading(found)}",
+                    f"{name}: predicted against simulated. {_reading(found)}",
                 )
             )
         which = "surrogate" if len(others) == 1 else f"{len(others)} surrogates"
-        result.append(Fold(f"Parity of the other {which}", (Figures(tuple(figures)),)))
+        result.append(Fold(f"Parity plots of the other {which}", (Figures(tuple(figures)),)))
     return result
 
 
 def _reading(data: Parity) -> str:
     said = []
     if (~data.learnt).any():
-        bars = " with 95 % intervals" if np.isfinite(data.half[~data.learnt]).any() else ""
-        unseen = digits.quantity(int((~data.learnt).sum()), "run")
-        said.append(f"Filled: {unseen} that it has not seen{bars}.")
+        bars = (
+            " with 95 % prediction intervals" if np.isfinite(data.half[~data.learnt]).any() else ""
+        )
+        held = digits.quantity(int((~data.learnt).sum()), "held-out run")
+        said.append(f"Filled: {held}{bars}.")
     if data.learnt.any():
         how = (
-            "each predicted without itself"
+            "each predicted by cross-validation"
             if data.honest
-            else "learnt from, so closer than new points will be"
+            else "as fitted, so closer than new points will be"
         )
         said.append(f"Open: {digits.quantity(int(data.learnt.sum()), 'training run')}, {how}.")
     return " ".join(said)
@@ -228,8 +230,8 @@ def _pattern(data: Parity, unit: str) -> str:
     if not np.isfinite(residual).any():
         return ""
     worst = int(np.nanargmax(np.abs(residual)))
-    where = "unseen run" if held.any() else "run"
+    where = "held-out run" if held.any() else "run"
     return (
-        f"The worst {where} is {data.run[worst]}: "
+        f"Largest residual of a {where}: run {data.run[worst]}, "
         f"{digits.with_unit(digits.figure(data.residual[worst]), unit)}."
     )

@@ -1,4 +1,4 @@
-"""The designs of experiments: how many points, where, and what they cannot tell apart."""
+"""The designs of experiments: number of runs, points, aliasing."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def _counts(content: Content) -> Table:
 
 
 def _use(content: Content, mine: np.ndarray) -> str:
-    """`learnt from` or `held out`, told by the fits' own points."""
+    """`training` or `held out`, told by the fits' own points."""
     from_fits = [fit for by_output in content.fits.values() for fit in by_output.values()]
     if not from_fits:
         return digits.NOTHING
@@ -70,7 +70,7 @@ def _use(content: Content, mine: np.ndarray) -> str:
     inside = np.any([rows_learnt(fit, points) >= 0 for fit in from_fits], axis=0)
     if not inside.size:
         return digits.NOTHING
-    return "learnt from" if inside.all() else "partly learnt from" if inside.any() else "held out"
+    return "training" if inside.all() else "partly training" if inside.any() else "held out"
 
 
 def _points(content: Content) -> Figure:
@@ -86,8 +86,8 @@ def _points(content: Content) -> Figure:
     failed = "; cross: failed run" if content.failed.any() else ""
     return Figure(
         plot,
-        "Where the runs lie, from the smallest to the largest value of each "
-        f"parameter ({'; '.join(shapes)}{failed}).",
+        "Design points, from the smallest to the largest value of each parameter "
+        f"({'; '.join(shapes)}{failed}).",
         wide=True,
     )
 
@@ -101,9 +101,9 @@ def _aliases(design: str, aliasing: Aliasing) -> list:
         for first, *others in aliasing.chains
     )
     table = Table(
-        f"Alias table of design {design}: effects in one row are estimated together, "
-        "as one number. Interactions of three and more parameters are left out.",
-        (Head("effect", numeric=False), Head("estimated together with", numeric=False)),
+        f"Alias table of design {design}. Effects in one row are aliased: only their sum can be "
+        "estimated. Interactions of three and more parameters are left out.",
+        (Head("effect", numeric=False), Head("aliased with", numeric=False)),
         chains,
     )
     words = [
@@ -130,14 +130,13 @@ def _sentence(design: str, resolution: int) -> str:
     named = f"Design {design} has resolution {roman(resolution)}"
     if resolution == 3:
         return (
-            f"{named}: every main effect is estimated together with two-factor interactions. "
-            "An effect in the tables below may be an interaction; a fold-over of the design "
-            "separates them."
+            f"{named}: main effects are aliased with two-factor interactions. A main effect in "
+            "the tables below may be an interaction. A fold-over of the design separates them."
         )
     if resolution == 4:
         return (
-            f"{named}: main effects are clear of two-factor interactions, but two-factor "
-            "interactions are estimated together."
+            f"{named}: main effects are clear of two-factor interactions. Two-factor "
+            "interactions are aliased with one another."
         )
     return f"{named}: main effects and two-factor interactions are clear of one another."
 

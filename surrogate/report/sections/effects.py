@@ -30,9 +30,8 @@ from surrogate.report.sections import side_by_side
 from surrogate.report.sections.side_by_side import printed
 
 DETERMINISTIC = (
-    "The solver gives the same answer to the same question, so the residuals are no noise: "
-    "standard errors, p-values and intervals measure how badly the polynomial fits (lack of fit), "
-    "not how surely an effect exists."
+    "The solver is deterministic, so the residuals are not noise. Standard errors, p-values and "
+    "intervals measure the lack of fit of the polynomial, not the evidence for an effect."
 )
 
 #: Beginnings of the table's own notes that the page says in its own words.
@@ -86,7 +85,7 @@ def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> 
         reading = (
             f"with {confidence} intervals; filled where zero lies outside the interval"
             if intervals
-            else "without intervals, because no runs are left to judge them by"
+            else "without intervals, because there are no residual degrees of freedom"
         )
         parts.append(
             Figures(
@@ -98,7 +97,7 @@ def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> 
                             unit,
                             name,
                         ),
-                        f"Coefficients of {name} in coded units (half the change of {output} from "
+                        f"Coefficients of {name} per coded unit (half the change of {output} from "
                         f"the smallest to the largest value), {reading}.{more}",
                     ),
                 )
@@ -158,13 +157,13 @@ def _number(words: str, value: float) -> Cell:
 
 
 def sentences(table: xr.Dataset, unit: str) -> list[str]:
-    """How well the polynomial describes the runs, and what the runs cannot tell."""
+    """Goodness of fit, F test and lack of fit of a polynomial."""
     get = {str(key): float(value) for key, value in table.data_vars.items() if value.ndim == 0}
     said = [_fit_sentence(get, unit)]
     if get.get("df_residual", np.nan) == 0.0 or not np.isfinite(get.get("residual_sd", np.nan)):
         said.append(
-            "The fit is saturated: as many coefficients as runs. It passes through every "
-            "run, whatever the truth is; R² says nothing and there are no intervals."
+            "The model is saturated: as many coefficients as runs. It passes through every run, "
+            "so R² says nothing and there are no intervals."
         )
     elif np.isfinite(get.get("f", np.nan)):
         said.append(
@@ -176,7 +175,7 @@ def sentences(table: xr.Dataset, unit: str) -> list[str]:
         said.append(
             f"Lack of fit against the replicates: F = {digits.figure(get['lack_of_fit_f'])}, "
             f"p {_equals(get['lack_of_fit_p'])}; "
-            + ("terms are missing." if poor else "no term is seen to be missing.")
+            + ("significant, so terms are missing." if poor else "not significant.")
         )
     notes = str(table.attrs.get("notes", "")).splitlines()
     return said + [note for note in notes if note and not note.startswith(SAID_ELSEWHERE)]
@@ -195,9 +194,13 @@ def influence(content: Content, output: str, name: str, table: xr.Dataset) -> li
         (
             "cooks_distance",
             LARGE_COOK,
-            "Cook's distance above 1, so the fit leans on each of these runs by itself",
+            "Cook's distance above 1 (influential)",
         ),
-        ("studentised_external", LARGE_STUDENTISED, "more than 3 standard deviations off the fit"),
+        (
+            "studentised_external",
+            LARGE_STUDENTISED,
+            "externally studentised residual above 3 (outlying)",
+        ),
     ):
         sizes = np.abs(np.asarray(table[key].values, dtype=float))
         large = [k for k in np.argsort(-np.nan_to_num(sizes)) if sizes[k] > limit]
@@ -222,11 +225,11 @@ def comparisons(content: Content, output: str, names: list[str]) -> list[str]:
         except FitError:
             continue  # other runs, or other terms: nothing to test
         if np.isfinite(test.p):
-            gain = "more" if test.p < 0.05 else "no more"
+            verb = "is" if test.df_terms == 1 else "are"
+            verdict = "significant" if test.p < 0.05 else "not significant"
             terms = digits.quantity(test.df_terms, "additional term")
             said.append(
-                f"{large} against {small}: the {terms} explain"
-                f"{'s' if test.df_terms == 1 else ''} {gain} than the residuals would "
+                f"{large} against {small}: the {terms} {verb} {verdict} "
                 f"(F = {digits.figure(test.f)}, p {_equals(test.p)})."
             )
     return said
@@ -265,9 +268,8 @@ def _slices(content: Content, output: str) -> list:
     return [
         Heading("Response curves", anchor(output, "curves")),
         Text(
-            f"{best} along each parameter while the others stay in the middle of their "
-            "ranges; the band is its 95 % interval where it knows one. All curves share one "
-            "scale, so that steep means important."
+            f"{best} over each parameter, the others at the middle of their ranges. Band: 95 % "
+            "prediction interval, where the surrogate has one. All curves share one scale."
         ),
         Figures(figures, small=True),
     ]

@@ -1,4 +1,4 @@
-"""Field outputs: where the answer is large, where it varies, where the surrogate is right."""
+"""Field outputs: mean, standard deviation and accuracy at each point."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def blocks(content: Content, output: str) -> list:
 
 @dataclass(frozen=True)
 class Judged:
-    """Fields that the best surrogate has not seen, beside what it says of them.
+    """Fields of held-out (or left-out) runs, and the best surrogate's predictions of them.
 
     run (n,) numbers, values and predicted (n, ...), how: which surrogate, on which runs.
     """
@@ -63,7 +63,7 @@ class Judged:
 
 
 def judged(content: Content, output: str) -> Judged | None:
-    """Runs that the fit has not seen where there are two, otherwise cross-validation; or None."""
+    """Held-out runs where there are two, otherwise cross-validation; or None."""
     best = content.best(output)
     if best is None:
         return None
@@ -79,7 +79,7 @@ def judged(content: Content, output: str) -> Judged | None:
             numbers[held],
             values[held],
             np.asarray(fit.predict(coded[held])),
-            f"{best}, on {held.sum()} runs that it has not seen",
+            f"{best}, on {held.sum()} held-out runs",
         )
     if (~held).any() and np.isfinite(fit.left_out).all():
         return Judged(
@@ -123,7 +123,7 @@ def _lines(content, output, values, seen: Judged | None, axes) -> list[Figure]:
                 f"Mean of {output}",
                 band=(mean - spread, mean + spread),
             ),
-            f"Mean of {output} over the finished runs, and one standard deviation about it.",
+            f"Mean of {output} over the finished runs; band: ± one standard deviation.",
         )
     ]
     if seen is None:
@@ -145,8 +145,8 @@ def _lines(content, output, values, seen: Judged | None, axes) -> list[Figure]:
         ),
         Figure(
             field_line(x, curves, x_label, label, f"Worst run of {output}"),
-            f"Run {seen.run[k]}, where the surrogate is worst: solver (solid) and "
-            f"surrogate (dashed); {seen.how}.",
+            f"Run {seen.run[k]}, which has the largest error: simulated (solid) and predicted "
+            f"(dashed); {seen.how}.",
         ),
     ]
 
@@ -179,8 +179,8 @@ def _maps(content, output, values, seen: Judged | None, axes) -> list[Figure]:
         ),
         Figure(
             draw(missed, unit, "Largest errors", (0.0, float(missed.max()) or 1.0)),
-            f"Run {seen.run[k]}, where the surrogate is worst: size of its error at each "
-            f"point; {seen.how}.",
+            f"Run {seen.run[k]}, which has the largest error: absolute error at each point; "
+            f"{seen.how}.",
         ),
     ]
 

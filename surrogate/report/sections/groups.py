@@ -1,4 +1,4 @@
-"""Shares of the variance that groups of parameters carry."""
+"""Shares of the variance due to groups of parameters."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ DECIMALS = 4
 #: What is told of groups: variable, title, kind of bar.
 KNOWN = (
     ("group_shapley", "share of the variance", "dark"),
-    ("group_first_order", "alone (closed index)", "dark"),
-    ("group_total", "with what it does with others (total index)", "light"),
+    ("group_first_order", "closed index", "dark"),
+    ("group_total", "total index", "light"),
 )
 
 
@@ -39,14 +39,14 @@ def blocks(table: xr.Dataset, output: str, stamp: str) -> list:
 
 
 def sentence(table: xr.Dataset) -> str:
-    """How the groups make up the variance, in words."""
+    """How the variance divides between the groups, in words."""
     outside = [
         str(name)
         for name in table["parameter"].values
         if name not in ", ".join(table["members"].values.astype(str)).split(", ")
     ]
     if "group_shapley" in table:
-        said = "Shapley effects sum to one, so a group's share is the sum of its parameters'."
+        said = "Shapley effects sum to one. Those of its parameters sum to the share of a group."
         left = 1.0 - float(table["group_shapley"].sum())
         if outside:
             said += f" {digits.percent(left)} belong to no group ({digits.listing(outside)})."
@@ -54,9 +54,8 @@ def sentence(table: xr.Dataset) -> str:
     alone = float(np.clip(table["group_first_order"].sum(), 0.0, 1.0))
     rest = " and parameters of no group" if outside else ""
     return (
-        f"By themselves the groups explain {digits.percent(alone)} of the variance; what "
-        f"parameters of different groups{rest} do together makes the other "
-        f"{digits.percent(1.0 - alone)}."
+        f"The groups alone explain {digits.percent(alone)} of the variance; interactions between "
+        f"different groups{rest} explain {digits.percent(1.0 - alone)}."
     )
 
 
@@ -78,8 +77,8 @@ def _caption(table: xr.Dataset, found: list) -> str:
     told = (
         "Shares of the groups"
         if len(found) == 1
-        else "Dark: the group alone. Light: total "
-        "index, with what it does together with parameters outside it"
+        else "Dark: closed index (the group alone). Light: total index (with its interactions "
+        "with other parameters)"
     )
     return f"{told}. Whiskers: {confidence} intervals."
 

@@ -1,4 +1,4 @@
-"""Sensitivity of an output: what its variance comes from, and how sure that is."""
+"""Sensitivity of an output: Sobol' indices or other measures, with their intervals."""
 
 from __future__ import annotations
 
@@ -100,8 +100,8 @@ def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list
         figures.append(
             Figure(
                 interaction_map(names, second["value"], second["low"], second["high"], output),
-                "Second order: the share of the variance that each pair of parameters makes "
-                "together, beyond both alone. Darker is larger.",
+                "Second-order indices: share of the variance due to the interaction of each pair. "
+                "Darker is larger.",
                 stamp=stamp,
             )
         )
@@ -116,32 +116,32 @@ def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list
 def _how(table: xr.Dataset, first: dict) -> str:
     alone = float(np.clip(np.nansum(first["value"]), 0.0, 1.0))
     return (
-        f"{method_of(table)} The parameters by themselves make {digits.percent(alone)} of the "
-        f"variance, interactions {digits.percent(1.0 - alone)}."
+        f"{method_of(table)} Main effects explain {digits.percent(alone)} of the variance, "
+        f"interactions {digits.percent(1.0 - alone)}."
     )
 
 
 def _bars_caption(table: xr.Dataset, freeze_below: float | None) -> str:
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
     line = (
-        f" Dashed: a parameter surely below {digits.number(freeze_below)} may be frozen."
+        f" Dashed: limit for freezing ({digits.number(freeze_below)})."
         if freeze_below is not None
         else ""
     )
     return (
-        f"Dark: first order (the parameter alone). Light: total (with all its "
+        f"Dark: first-order index (main effect). Light: total index (with all "
         f"interactions). Whiskers: {confidence} intervals.{line}"
     )
 
 
 def _parts_caption(table: xr.Dataset, total: dict) -> str:
     told = str(table.attrs.get("surrogate_part", ""))
-    how = told.partition(";")[0] + (" and what it misses" if "missed variance" in told else "")
+    how = told.partition(";")[0] + (" and its missed variance" if "missed variance" in told else "")
     exact = not np.nan_to_num(total["sampling"]).any()
     sampling = "closed form, no sampling" if exact else "from the finite sample"
     return (
-        f"What the intervals of the total indices are made of. Dark: sampling part "
-        f"({sampling}). Light: the surrogate's own part{f' ({how})' if how else ''}."
+        f"The two parts of the intervals of the total indices. Dark: sampling error "
+        f"({sampling}). Light: error of the surrogate{f' ({how})' if how else ''}."
     )
 
 
@@ -164,8 +164,8 @@ def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Tab
             for row, k in zip(rows, order, strict=True)
         ]
         caption += (
-            " At worst: the largest total index that the solver itself can have, should "
-            "all that the surrogate misses belong to this parameter."
+            " At worst: largest possible total index of the solver itself, if all variance that "
+            "the surrogate misses were due to this parameter."
         )
     return Table(
         caption,

@@ -1,4 +1,4 @@
-"""What varies, and what it answers to."""
+"""Parameters and outputs, with units and ranges."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def _parameters(content: Content) -> Table:
         h if k in (2, 3) else type(h)(h.words, numeric=False) for k, h in enumerate(table)
     )
     rest = (
-        "Everything else keeps the solver's nominal value."
+        "All other inputs have the solver's nominal value."
         if content.runs.attrs.get("constants", "{}") == "{}"
-        else "Everything else keeps the study's constants (see Provenance) or the solver's nominal "
-        "value."
+        else "All other inputs have the value of the study's constants (see Provenance) or the "
+        "solver's nominal value."
     )
-    return Table(f"What varies. {rest}", words, tuple(rows))
+    return Table(f"Parameters that vary. {rest}", words, tuple(rows))
 
 
 def _row(parameter: Parameter, described: bool) -> tuple[Cell, ...]:
@@ -89,7 +89,7 @@ def _outputs(content: Content) -> Table:
         )
     titles = heads("output", "unit", "shape", "smallest", "largest", "meaning", names=3)
     return Table(
-        "What the solver answers, and the smallest and largest answer in all runs.",
+        "Outputs of the solver, and their smallest and largest value in all runs.",
         (*titles[:5], type(titles[5])("meaning", numeric=False)),
         tuple(rows),
     )
@@ -105,5 +105,5 @@ def _correlation(content: Content) -> Text:
         if abs(matrix[i, j]) > 1e-12
     ]
     return Text(
-        f"The parameters depend on one another (Gaussian copula): {digits.listing(pairs)}.", "note"
+        f"The parameters are correlated (Gaussian copula): {digits.listing(pairs)}.", "note"
     )

@@ -1,4 +1,4 @@
-"""Where all this comes from: study file, solver, packages, seeds, times."""
+"""Provenance: study file, solver, packages, seeds, times."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def section(content: Content) -> Section:
             rows.append((Cell(str(key).replace("_", " ")), Cell(_words(value))))
     blocks: list = [
         Table(
-            "What made these numbers.",
+            "Solver, versions and seeds behind these numbers.",
             (Head("what", numeric=False), Head("value", numeric=False)),
             tuple(rows),
         )

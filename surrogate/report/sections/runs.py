@@ -1,4 +1,4 @@
-"""All runs, the failed ones first among them."""
+"""All runs; the failed ones in a table of their own."""
 
 from __future__ import annotations
 
@@ -32,12 +32,11 @@ def _count(content: Content) -> str:
     count, failed, missing = (
         int(which.sum()) for which in (np.ones_like(content.ok), content.failed, content.missing)
     )
-    said = [f"{failed} failed"] * bool(failed) + [f"{missing} not made yet"] * bool(missing)
+    said = [f"{failed} failed"] * bool(failed) + [f"{missing} not done yet"] * bool(missing)
     words = f"{digits.quantity(count, 'run')}, {digits.listing(said) or 'all finished'}."
     for name, stored in json.loads(content.runs.attrs.get("stored", "{}")).items():
         words += (
-            f" {stored} of them {'was' if stored == 1 else 'were'} not run here but taken "
-            f"from {name}."
+            f" {stored} of them {'was' if stored == 1 else 'were'} read from {name}, not run here."
         )
     if np.isfinite(content.seconds).any():
         again = content.repeated
@@ -74,7 +73,7 @@ def _failures(content: Content) -> Table:
         )
     words = ("run", "design", "status", "message", "at")
     return Table(
-        "Failed runs: no surrogate has learnt from them.",
+        "Failed runs. They are not used for training.",
         tuple(Head(word, numeric=False) for word in words),
         tuple(rows),
     )
@@ -119,7 +118,7 @@ def _table(content: Content) -> Table:
         )
     rows = tuple(zip(*(cells for _, cells in columns), strict=True))
     return Table(
-        "Every run with its inputs and outputs. A click on a head sorts.",
+        "Every run with its inputs and outputs. Click a column head to sort.",
         tuple(head for head, _ in columns),
         rows,
         sortable=True,

@@ -1,4 +1,4 @@
-"""Which parameters go on varying, which may rest, and what that costs."""
+"""Screening: which parameters to keep, which may be frozen, and what that costs."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ def section(content: Content) -> Section:
 def sentence(decision: Screening) -> str:
     """The decision in one sentence."""
     if decision.refused:
-        return "Nothing is frozen, because the indices are not to be trusted."
+        return "Nothing is frozen, because the indices cannot be trusted."
     rule = (
-        f"its total index is surely below {digits.number(decision.freeze_below)} "
-        f"({digits.percent(decision.confidence)} intervals)"
+        f"the {digits.percent(decision.confidence)} interval of its total index lies below "
+        f"{digits.number(decision.freeze_below)}"
     )
     if not decision.freeze:
-        return f"Nothing is frozen: of no parameter can it be said that {rule}."
+        return f"Nothing is frozen. A parameter is frozen when {rule}."
     return (
         f"Keep {digits.listing(decision.keep, MOST) or 'nothing'}; freeze "
         f"{digits.listing(decision.freeze, MOST)}. A parameter is frozen when {rule}."
@@ -70,8 +70,8 @@ def _voters(content: Content, decision: Screening) -> str:
     if not silent:
         return ""
     return (
-        f"Decided for the sake of {digits.listing(decision.outputs)} alone; what is frozen may "
-        f"matter to {digits.listing(silent)}."
+        f"Only {digits.listing(decision.outputs)} decides; a frozen parameter may matter for "
+        f"{digits.listing(silent)}."
     )
 
 
@@ -96,10 +96,10 @@ def _verdicts(content: Content, decision: Screening) -> Table:
         else ""
     )
     return Table(
-        f"The decision on each parameter.{several} Total index: its value and the upper "
-        "end of its interval, which decides. Worst case: the largest total index that the "
-        "solver itself can have, should all that the surrogate misses belong to this "
-        "parameter. One-at-a-time shares and the rule on them decide nothing.",
+        f"The decision on each parameter.{several} Total index: its value, and the upper end of "
+        "its interval, which decides. Worst case: largest possible total index of the solver "
+        "itself, if all variance that the surrogate misses were due to this parameter. "
+        "One-at-a-time shares are shown for comparison only.",
         tuple(Head(title, numeric=k in (2, 3, 4)) for k, title in enumerate(titles)),
         rows,
     )
@@ -139,10 +139,9 @@ def _cost(decision: Screening) -> Table:
         for kept in decision.variance_kept
     )
     return Table(
-        "What freezing costs: the share of the variance that the kept parameters explain "
-        "together, and the mean square error of the reduced model as a share of the "
-        "variance.",
-        heads("output", "variance kept (interval)", "missed by the reduced model"),
+        "Cost of freezing: share of the variance that the kept parameters explain, and mean "
+        "square error of the reduced model as a share of the variance.",
+        heads("output", "variance kept (interval)", "error of the reduced model"),
         rows,
     )
 
@@ -170,27 +169,25 @@ def _shares(decision: Screening) -> Figure:
     )
     return Figure(
         plot,
-        "Square: share of the effects when one parameter moves at a time. Disc: "
-        "total index, with the upper half of its interval. Dashed: the limit below "
-        "which the upper end must lie to freeze. The two are of different kinds: "
-        "an index is a share of the variance, in which effects count squared.",
+        "Square: share of the one-at-a-time effects. Disc: total index, with the upper half of "
+        "its interval. Dashed: limit for freezing. The two do not compare in size: an index is "
+        "a share of the variance, in which effects count squared.",
     )
 
 
 def _old_rule(decision: Screening) -> str:
     old, new = set(decision.kept_by_old_rule), set(decision.keep)
     rule = (
-        f"The older rule keeps the largest one-at-a-time shares until they explain more than "
+        f"The one-at-a-time rule keeps the largest shares until their sum exceeds "
         f"{digits.percent(decision.threshold)}: "
         f"{digits.listing(decision.kept_by_old_rule, MOST) or 'nothing'}."
     )
     if decision.refused:
-        return f"{rule} It decides nothing here."
+        return f"{rule} It is not used here."
     apart = [name for name in (*decision.keep, *decision.freeze) if (name in old) != (name in new)]
     if not apart:
-        return f"{rule} Here it agrees."
+        return f"{rule} It agrees."
     return (
-        f"{rule} It decides otherwise on {digits.listing(apart, MOST)}: moved one at a time, "
-        "parameters show nothing of their interactions, and a share says nothing of how sure "
-        "it is."
+        f"{rule} It differs on {digits.listing(apart, MOST)}. One-at-a-time effects contain no "
+        "interactions and have no interval."
     )

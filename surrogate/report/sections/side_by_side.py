@@ -1,4 +1,4 @@
-"""Coefficients of all polynomials of an output side by side: which of them survive more runs."""
+"""Coefficients of all polynomials of an output side by side: which remain with more runs."""
 
 from __future__ import annotations
 
@@ -61,15 +61,15 @@ def table(content: Content, output: str) -> Table | None:
     ]
     if not shared:
         return None
-    carried = {column.name: _carried(content, column.name) for column in columns}
-    told = [column for column in columns if carried[column.name]]
+    aliased = {column.name: _aliased(content, column.name) for column in columns}
+    told = [column for column in columns if aliased[column.name]]
     rows = tuple(
         (
             Cell(printed(term)),
             *(_cell(column, term, columns) for column in columns),
             *(
                 Cell(
-                    digits.listing(map(printed, carried[column.name].get(term, ())))
+                    digits.listing(map(printed, aliased[column.name].get(term, ())))
                     or digits.NOTHING
                 )
                 for column in told
@@ -85,8 +85,8 @@ def table(content: Content, output: str) -> Table | None:
             Head(digits.labelled(f"{column.name}, {digits.quantity(column.runs, 'run')}", unit))
             for column in columns
         ),
-        *(Head(f"{column.name} also carries", numeric=False) for column in told),
-        Head("first interval holds last value", numeric=False),
+        *(Head(f"aliased in {column.name}", numeric=False) for column in told),
+        Head("first interval contains last value", numeric=False),
     )
     return Table(_caption(told, columns), heads, rows)
 
@@ -98,10 +98,10 @@ def printed(term: str) -> str:
     return sign + ("constant" if term == "1" else term.replace(":", " × ").replace("^2", "²"))
 
 
-def _carried(content: Content, name: str) -> dict[str, list[str]]:
-    """Main effect -> interactions that the surrogate's coefficient holds as well.
+def _aliased(content: Content, name: str) -> dict[str, list[str]]:
+    """Main effect -> interactions that are aliased with it in the surrogate's training design.
 
-    Read off the smallest two-level fraction that holds all its runs; empty without one.
+    Read off the smallest two-level fraction that contains all its runs; empty without one.
     """
     holding = [design for design in content.aliasing if name in learnt_only_from(content, design)]
     if not holding:
@@ -150,16 +150,16 @@ def _covers(columns: list[Column], term: str) -> bool | None:
 def _caption(told: list[Column], columns: list[Column]) -> str:
     confidence = digits.percent(columns[0].confidence)
     said = (
-        f"Coefficients side by side, from few runs to many, each ± half its {confidence} "
-        "interval, in coded units. A first coefficient whose interval does not hold the last "
-        "one of its row is marked: it did not survive. An interval wider than its coefficient "
-        "holds nearly anything, so a yes beside it only says that few runs could not tell."
+        f"Coefficients per coded unit, from few runs to many, each ± half its {confidence} "
+        "interval. A first coefficient is marked when its interval does not contain the last one "
+        "of its row: more runs contradict it. A yes beside an interval wider than its "
+        "coefficient is no evidence."
     )
     if told:
         said += (
-            " Also carries: interactions that the design cannot tell from the term, so that "
-            "its coefficient is the sum of all of them."
+            " Aliased: interactions aliased with the term in the training design; the coefficient "
+            "is the sum of all of them."
         )
     if any(column.runs <= len(column.terms) for column in columns):
-        said += " As many coefficients as runs leave no interval."
+        said += " A saturated model has no intervals."
     return said

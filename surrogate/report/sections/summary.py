@@ -1,4 +1,4 @@
-"""The question and the answer, and what to beware of."""
+"""The question, the answers and the warnings."""
 
 from __future__ import annotations
 
@@ -31,17 +31,14 @@ def section(content: Content) -> Section:
         blocks.append(Text(content.about, "lead"))
     blocks.append(Facts(tuple(_facts(content))))
     if not content.fits:
-        blocks.append(
-            Text("The study asks for no surrogate: it makes runs and shows them.", "note")
-        )
+        blocks.append(Text("The study asks for no surrogate; the report shows its runs.", "note"))
     warned = warnings(content)
     if warned:
         blocks.append(Points(tuple(warned), "warning"))
     else:
         blocks.append(
             Text(
-                "Nothing stands against these figures: no failed run, no poor "
-                "surrogate, no refused index.",
+                "No warnings: no failed run, no poor surrogate, no refused index.",
                 "good",
             )
         )
@@ -59,7 +56,7 @@ def _facts(content: Content) -> list[Fact]:
             facts += [_matters(content, output), *_groups(content, output, suffix)]
     if content.validation is not None:
         facts += [
-            Fact("Closest to cases not seen" + (f": {output}" if several else ""), *words)
+            Fact("Closest model in validation" + (f": {output}" if several else ""), *words)
             for output, *words in verdicts(content)
         ]
     if content.screening is not None:
@@ -93,15 +90,15 @@ def _best(content: Content, output: str, suffix: str) -> Fact:
         return Fact(
             f"Best surrogate{suffix}",
             best,
-            "Its error on new points is not known: no held-out runs, and no run can be "
-            "left out of the training.",
+            "Its error on new points is not known: there are no held-out runs, and no run can be "
+            "left out of the training design.",
         )
     spread = _spread(content, output)
     if error <= ROUNDING * spread:
         return Fact(
             f"Best surrogate{suffix}",
             f"{best}, exact to rounding",
-            f"It repeats the solver {kind}: the solver itself has this form.",
+            f"It reproduces the solver {kind}: the solver itself has this form.",
         )
     words = [f"Q² {digits.score(row.get(f'q2_{how}', np.nan))} {kind}."]
     if spread > 0:
@@ -152,7 +149,7 @@ def _groups(content: Content, output: str, suffix: str) -> list[Fact]:
     table = of_output(content, output)
     if "group" not in table.dims or refusal(content, output):
         return []
-    return [Fact(f"Which group carries most of the variance{suffix}", *groups.answer(table))]
+    return [Fact(f"Which group explains most of the variance{suffix}", *groups.answer(table))]
 
 
 def _frozen(decision: Screening) -> Fact:
@@ -172,7 +169,7 @@ def _frozen(decision: Screening) -> Fact:
     return Fact(
         title,
         digits.listing(decision.freeze) if few else of,
-        f"{names}The others keep {digits.listing(kept)}.",
+        f"{names}The other parameters explain {digits.listing(kept)}.",
     )
 
 
@@ -182,12 +179,12 @@ def warnings(content: Content) -> list[str]:
     failed = int(content.failed.sum())
     if failed:
         of = digits.quantity(len(content.ok), "run")
-        said.append(f"{failed} of {of} failed and are missing from the fits; see Runs.")
+        said.append(f"{failed} of {of} failed and are not used for training; see Runs.")
     missing = int(content.missing.sum())
     if missing:
         said.append(
             f"{digits.quantity(missing, 'run')} of the designs "
-            f"{'is' if missing == 1 else 'are'} not made yet."
+            f"{'is' if missing == 1 else 'are'} not done yet."
         )
     said += content.not_done
     for output in content.outputs:
@@ -197,9 +194,8 @@ def warnings(content: Content) -> list[str]:
         names = learnt_only_from(content, design)
         if aliasing.resolution == 3 and names:
             said.append(
-                f"Design {design}, all that {digits.listing(names)} "
-                f"{'learns' if len(names) == 1 else 'learn'} from, has resolution "
-                f"{roman(3)}: main effects cannot be told from two-factor interactions."
+                f"Design {design}, the training design of {digits.listing(names)}, has resolution "
+                f"{roman(3)}: main effects are aliased with two-factor interactions."
             )
     return said
 
@@ -211,13 +207,13 @@ def _poor(content: Content, output: str) -> list[str]:
     said, q2 = [], content.q2(best, output)
     if np.isfinite(q2) and q2 < POOR_Q2:
         said.append(
-            f"The best surrogate of {output}, {best}, has Q² {digits.fixed(q2, 2)} on "
-            f"runs it has not seen, below {POOR_Q2:g}: its predictions are rough."
+            f"The best surrogate of {output}, {best}, has a Q² of only {digits.fixed(q2, 2)}, "
+            f"below {POOR_Q2:g}: its predictions are rough."
         )
     coverage = content.row(best, output).get("coverage_95", np.nan)
     if coverage < POOR_COVERAGE:
         said.append(
-            f"The 95{digits.THIN}% intervals of {best} hold only "
+            f"The 95{digits.THIN}% intervals of {best} contain only "
             f"{digits.percent(coverage)} of the held-out values of {output}: they are too "
             "narrow."
         )
@@ -232,8 +228,8 @@ def _saturated(content: Content, output: str) -> list[str]:
     ]
     return (
         [
-            f"{digits.listing(names)} of {output} has as many coefficients as runs: R² and the "
-            "residuals say nothing about it."
+            f"{digits.listing(names)} of {output}: saturated, as many coefficients as runs. R² and "
+            "residuals say nothing."
         ]
         if names
         else []

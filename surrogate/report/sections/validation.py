@@ -1,4 +1,4 @@
-"""Surrogates and other models beside cases that none of them has seen."""
+"""Validation: surrogates and other models against reference cases."""
 
 from __future__ import annotations
 
@@ -31,20 +31,20 @@ HEADS = (
     "R² (1 − SSE/SST)",
     "R² (correlation)",
     "mean error (%)",
-    "in its 95 % intervals",
+    "coverage of 95 % intervals",
 )
 DIFFERENCES = ("model", "RMSE", "bias", "lower limit of agreement", "upper limit of agreement")
 MEANING = (
-    "Slope: of the regression through the origin, reference on x, model on y. R² as 1 − SSE/SST "
-    "compares the errors of the model as it stands with the scatter of the reference about its "
-    "mean; it is negative when the mean would do better. R² as squared correlation is blind to "
-    "scale and offset. Errors are model minus reference; mean error: their mean in percent of "
-    "each reference; bias: their mean; limits of agreement: bias ∓ 1.96 standard deviations, "
-    "between which 95 % of differences are expected (Bland and Altman 1986). Intervals of the "
-    "limits: {how}. In its 95 % intervals: share of the reference values inside the surrogate's "
-    "own intervals. These say how well the surrogate knows its solver; of what the solver leaves "
-    "out, of inputs that the study does not vary and of errors of measurement they know nothing, "
-    "so a share well below 95 % is no fault of the surrogate by itself."
+    "Slope: regression through the origin, reference on x, model on y. R² (1 − SSE/SST) compares "
+    "the errors of the model with the scatter of the reference about its mean; it is negative "
+    "when the mean predicts better. R² (correlation) ignores scale and offset. Errors are model "
+    "minus reference. Mean error: mean of the errors in percent of each reference. Bias: mean of "
+    "the errors. Limits of agreement: bias ± 1.96 standard deviations, between which 95 % of the "
+    "differences are expected (Bland and Altman 1986). Intervals of the limits: {how}. Coverage: "
+    "share of the reference values inside the surrogate's prediction intervals. These intervals "
+    "contain the error of the surrogate against its solver only. They do not contain the error "
+    "of the solver, inputs that the study does not vary, or errors of measurement, so a low "
+    "coverage need not be the fault of the surrogate."
 )
 
 
@@ -71,15 +71,15 @@ def _cases(data: xr.Dataset) -> str:
         words += ", all inside the ranges of the study's parameters."
     else:
         words += (
-            f"; {int((~inside).sum())} of them outside the ranges of the study's parameters "
-            "and set aside: no figure is drawn from there."
+            f"; {int((~inside).sum())} of them are outside the ranges of the study's parameters "
+            "and are excluded."
         )
     if "subject" in data:
         subjects = len(np.unique(data["subject"].values[inside]))
         words += (
-            f" They come from {digits.quantity(subjects, 'subject')}; limits of agreement "
-            "count the scatter within and between subjects, the interval of the slope "
-            "takes all cases for independent."
+            f" They come from {digits.quantity(subjects, 'subject')}. The limits of agreement "
+            "contain the scatter within and between subjects. The interval of the slope "
+            "assumes independent cases."
         )
     return words
 
@@ -90,16 +90,12 @@ def _closest(data: xr.Dataset) -> list[str]:
     for output, best, row in _best(data):
         unit = str(data["units"].sel(output=output).item())
         side = "high" if row["bias"] > 0.0 else "low"
-        sure = (
-            ""
-            if row["bias_low"] > 0.0 or row["bias_high"] < 0.0
-            else ", no more than chance would do"
-        )
+        sure = "" if row["bias_low"] > 0.0 or row["bias_high"] < 0.0 else " (not significant)"
         bias = digits.with_unit(digits.figure(abs(row["bias"]), 2), unit)
         limits = digits.with_unit(digits.interval(row["lower_limit"], row["upper_limit"]), unit)
         said.append(
-            f"{best} is closest to {output}: on average {bias} too {side}{sure}; on a new "
-            f"case it is expected to be off by {limits} (95 % limits of agreement)."
+            f"Closest model of {output}: {best}. On average it is {bias} too {side}{sure}. For a "
+            f"new case, expect a difference of {limits} (95 % limits of agreement)."
         )
     return said
 
@@ -148,8 +144,8 @@ def verdicts(content: Content) -> list[tuple[str, str, str]]:
                 output,
                 f"{best}, bias {bias}",
                 (
-                    f"95 % of its differences from {content.validation.attrs['cases']} are "
-                    f"expected within {digits.with_unit(limits, unit)} ({row['n']:.0f} cases)."
+                    f"95 % limits of agreement with {content.validation.attrs['cases']}: "
+                    f"{digits.with_unit(limits, unit)} ({row['n']:.0f} cases)."
                 ),
             )
         )
@@ -158,13 +154,13 @@ def verdicts(content: Content) -> list[tuple[str, str, str]]:
 
 def _aside(data: xr.Dataset, rows: np.ndarray) -> Fold:
     table = Table(
-        "Cases outside, and the ranges of the study in brackets.",
+        "Excluded cases; the range of the study in brackets.",
         (Head("case", numeric=False), Head("outside", numeric=False)),
         tuple(
             (Cell(str(data["case"].values[k])), Cell(str(data["outside"].values[k]))) for k in rows
         ),
     )
-    return Fold(f"{digits.quantity(len(rows), 'case')} set aside", (table,), open=len(rows) <= 10)
+    return Fold(f"{digits.quantity(len(rows), 'case')} excluded", (table,), open=len(rows) <= 10)
 
 
 def _blocks(data: xr.Dataset, output: str) -> list:
@@ -190,7 +186,7 @@ def _blocks(data: xr.Dataset, output: str) -> list:
         heading,
         *_tables(data, names, ranked[0], unit),
         Figures(tuple(shown)),
-        Fold("What the figures are", (Text(MEANING.format(how=how)),), open=True),
+        Fold("Definitions", (Text(MEANING.format(how=how)),), open=True),
     ]
     if figures[SHOWN:]:
         more = digits.quantity(len(figures) - SHOWN, "further model")
@@ -220,13 +216,13 @@ def _tables(data: xr.Dataset, names: list[str], best: str, unit: str) -> list[Ta
     follow = tuple(Head(word, numeric=k > 0) for k, word in enumerate(HEADS))
     return [
         _table(
-            "Each model over the reference; 95 % intervals in brackets.",
+            "Each model against the reference; 95 % intervals in brackets.",
             follow,
             {name: _following(row) for name, row in rows.items()},
             best,
         ),
         _table(
-            "Each model minus the reference. The smallest RMSE is set strong.",
+            "Each model minus the reference. Bold: smallest RMSE.",
             apart,
             {name: _differing(row) for name, row in rows.items()},
             best,
@@ -285,11 +281,11 @@ def _plots(data: xr.Dataset, name: str, output: str, unit: str) -> list:
         for key, value in data.data_vars.items()
         if value.ndim == 0 and np.issubdtype(value.dtype, np.number)
     }
-    bars = " Bars are its 95 % intervals, cut at the frame." if np.isfinite(half).any() else ""
+    bars = " Bars: 95 % prediction intervals, cut at the frame." if np.isfinite(half).any() else ""
     return [
         (
             scatter_plot(reference, model, half, labels, figures["slope"], name, output, unit),
-            f"{name} over the reference. Dashed: equality; solid: regression through the "
+            f"{name} against the reference. Dashed: equality; solid: regression through the "
             f"origin.{bars}",
         ),
         (

@@ -91,7 +91,7 @@ def _check_training(reading, surrogate: Surrogate, designs, space: Space) -> Non
             )
     if "test" in surrogate.train:
         reading.wrong(
-            "design 'test' judges the surrogates and is never learnt from; give the "
+            "design 'test' is held out to test the surrogates; it cannot train them; give the "
             "design another name, or learn from others",
             *path,
             "train",

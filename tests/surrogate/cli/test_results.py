@@ -96,7 +96,7 @@ def test_cases_beside_nothing(tmp_path):
     "method, words",
     [
         ("dgsm", "surrogate forest has no derivative"),
-        ("test_results:broken", "'flow': .*not today"),
+        (f"{__name__}:broken", "'flow': .*not today"),
     ],
 )
 def test_a_report_without_the_indices_that_could_not_be_had(tmp_path, method, words):

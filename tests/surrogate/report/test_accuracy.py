@@ -59,7 +59,7 @@ def test_surrogates_of_different_runs_are_not_said_to_share_folds(study):
     )
     other = replace(content, fits={**content.fits, "linear": {"pressure_b1": fewer}})
     told = next(read(report.build(other).html).all("section", id="output-pressure_b1")).text
-    assert caption not in told and "They learnt from different runs" in told
+    assert caption not in told and "Their training designs differ" in told
 
 
 def test_calibration_counts_the_runs_that_it_was_counted_on(study):
@@ -85,5 +85,5 @@ def test_calibration_counts_the_runs_that_it_was_counted_on(study):
         fits=fits,
         comparison=compare(fits, tests),
     )
-    captions = " ".join(re.findall(r"inside the band \d+ runs", str(blocks(other, "pressure_b1"))))
-    assert captions == f"inside the band {np.sum(held)} runs"
+    captions = " ".join(re.findall(r"Within the band, \d+ runs", str(blocks(other, "pressure_b1"))))
+    assert captions == f"Within the band, {np.sum(held)} runs"

@@ -107,7 +107,7 @@ def test_screening_is_the_decision(shown):
     assert [row[0] for row in rows if row[1] == "keep"] == list(decision.keep)
     assert [row[0] for row in rows if row[1].startswith("freeze")] == list(decision.freeze)
     assert decision.freeze and decision.keep
-    cost = table(tree, "What freezing costs")
+    cost = table(tree, "Cost of freezing")
     assert number(cost[0][1]) == pytest.approx(100 * decision.variance_kept[0].share, rel=5e-3)
     section = next(tree.all("section", id="screening"))
     assert content.reduced_study.strip() in section.text
@@ -165,7 +165,7 @@ def test_saturated_fit_and_aliases_are_said(study):
     tree = read(report.build(content).html)
     answer = next(tree.all("section", id="answer")).text
     assert "as many coefficients as runs" in answer and "resolution III" in answer
-    assert "The fit is saturated" in next(tree.all("section", id="output-pressure_b1")).text
+    assert "The model is saturated" in next(tree.all("section", id="output-pressure_b1")).text
     rows = table(tree, "Alias table of design train")
     chains = content.aliasing["train"].chains
     assert len(rows) == len(chains) == 7
@@ -174,7 +174,7 @@ def test_saturated_fit_and_aliases_are_said(study):
 
 def test_refused_indices_are_stamped(study):
     """Indices that are not to be trusted carry a stamp, and the answer does not use them."""
-    why, told = "Not to be relied on: Q2 = 0.41.", "Not to be relied on: Q² = 0.41."
+    why, told = "Not to be trusted: Q2 = 0.41.", "Not to be trusted: Q² = 0.41."
     tree = read(report.build(study(refused=why)).html)
     stamps = [element for element in tree.all("span", class_="stamp")]
     assert len(stamps) == 2 and stamps[0].text == "not to be trusted"
@@ -193,7 +193,7 @@ def test_point_q2_of_a_field(study):
     wrong = sum((values[i, k] - predicted[i, k]) ** 2 for i in range(20))
     total = sum((values[i, k] - values[:, k].mean()) ** 2 for i in range(20))
     assert seen.q2[k] == pytest.approx(1.0 - wrong / total)
-    assert "20 runs that it has not" in seen.how
+    assert "20 held-out runs" in seen.how
     errors = [np.abs(values[i] - predicted[i]).mean() for i in range(20)]
     assert content.numbers[held][int(np.argmax(errors))] == seen.run[seen.worst]
 
@@ -220,7 +220,7 @@ def test_answers_of_several_outputs_are_sentences(study):
     tree = read(report.build(replace(content, sensitivity=told)).html)
     answer = next(tree.all("section", id="answer")).text
     assert "What matters most to slope mu_skin Shapley effects, largest first" in answer
-    assert "intervals of quadratic hold only 50 % of the held-out values of slope" in answer
+    assert "intervals of quadratic contain only 50 % of the held-out values of slope" in answer
     assert (
         "Method: Shapley effects of surrogate quadratic."
         in next(tree.all("section", id="output-slope")).text

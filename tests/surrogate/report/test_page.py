@@ -96,7 +96,7 @@ def test_runs_not_made_yet_are_not_failures(study):
     runs["status"] = ("run", ["ok"] * 45 + ["missing"] * 5)
     runs["pressure_b1"].values[45:] = np.nan
     answer = next(read(report.build(replace(content, runs=runs)).html).all("section")).text
-    assert "5 runs of the designs are not made yet" in answer and "failed" not in answer
+    assert "5 runs of the designs are not done yet" in answer and "failed" not in answer
 
 
 def test_one_parameter_and_dependent_parameters(study):

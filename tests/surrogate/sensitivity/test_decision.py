@@ -79,7 +79,7 @@ def test_poor_surrogate_decides_nothing(textbook):
     """The stamp is repeated, every parameter kept."""
     case = textbook("ishigami")
     decision = decided(case.space, 0.3, fitted(case.function, case.space, Linear()))
-    assert decision.refused.startswith("Not to be relied on")
+    assert decision.refused.startswith("Not to be trusted")
     assert decision.freeze == () and decision.keep == case.space.names
     assert decision.sentences[0] == decision.refused
     assert decision.variance_kept[0].share == 1.0
@@ -93,7 +93,7 @@ def test_variance_that_the_surrogate_misses_may_be_anybodys(textbook):
     decision = decided(case.space, 0.02, surrogate)
     assert decision.freeze == ()
     unsettled = next(v for v in decision.verdicts if v.parameter == "Ta")
-    assert "not settled" in unsettled.sentence and "the surrogate misses" in unsettled.sentence
+    assert "undecided" in unsettled.sentence and "the surrogate misses" in unsettled.sentence
     assert decided(case.space, 0.3, surrogate).freeze != ()
 
 
@@ -103,7 +103,7 @@ def test_old_rule_stands_beside_and_decides_nothing():
     surrogate = fitted(lambda t: 5.0 * t[:, 0] + 3.0 * t[:, 1] * t[:, 2], space, Quadratic())
     decision = decided(space, 0.02, surrogate)
     assert decision.keep == ("x", "y", "z") and decision.kept_by_old_rule == ("x",)
-    assert "the rule of 93% keeps x" in decision.sentences[-1]
+    assert "one-at-a-time rule of 93% keeps x" in decision.sentences[-1]
     assert [v.one_at_a_time for v in decision.verdicts] == pytest.approx([1.0, 0.0, 0.0], abs=1e-9)
 
 
