@@ -76,6 +76,7 @@ def check(study: Study, results: Path) -> Page:
     for name, alias in aliases.items():
         parts.append(f"aliasing of {name}: {alias}\n")
     parts += [_surrogate_line(study), _runs_line(study, stored, counts), *study.unused]
+    parts += rundata.described(stored, "damaged")
     data = {
         "study": study.name,
         "solver": study.spec.name,
@@ -97,6 +98,7 @@ def check(study: Study, results: Path) -> Page:
         "runs": counts,
         "stored": rundata.described(stored, "stored"),
         "unused": study.unused,
+        "damaged": rundata.described(stored, "damaged"),
         "seconds_left": rundata.seconds_left(stored, study.workers),
     }
     return Page(data, parts)
@@ -154,13 +156,14 @@ def status(study: Study, results: Path) -> Page:
             f"a recomputation was interrupted after {waiting} runs; "
             "`surrogate run --fresh` goes on with it"
         )
-    parts += study.unused
+    parts += [*study.unused, *rundata.described(stored, "damaged")]
     return Page(
         {
             "study": study.name,
             "runs": counts,
             "stored": files,
             "unused": study.unused,
+            "damaged": rundata.described(stored, "damaged"),
             "fresh": waiting,
             "seconds_left": rundata.seconds_left(stored, study.workers),
         },

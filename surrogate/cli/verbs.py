@@ -94,12 +94,13 @@ def run(
 ) -> None:
     """Do what is missing: runs, fits, indices, report. Ctrl-C is safe."""
     loaded = Study.from_yaml(study)
-    for sentence in () if fresh else loaded.unused:
+    folder = results.folder_of(loaded, results_dir)
+    for sentence in () if fresh else [*loaded.unused, *loaded.damaged(folder)]:
         print(sentence, file=sys.stderr)
     with RunsBar(loaded.name) as bar:
         outcome = results.complete(
             loaded,
-            results.folder_of(loaded, results_dir),
+            folder,
             workers=workers,
             retry_failed=retry_failed,
             fresh=fresh,

@@ -19,12 +19,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from surrogate.errors import StudyError
+from surrogate.errors import ResultsError, StudyError
 from surrogate.execution.executors import ExecutorRuns
 from surrogate.execution.pool import Event, Pool, Task
 from surrogate.runs.identity import SolverSpec, keys, run_inputs
-from surrogate.runs.journal import Journal, Record, read
+from surrogate.runs.journal import Journal, read
+from surrogate.runs.record import Record
 from surrogate.runs.stored import KnownRuns, StoredMatches
+from surrogate.solver import Output
 
 
 @dataclass(frozen=True)
@@ -145,7 +147,7 @@ def _check(workers, threads, timeout, retries, rerun) -> None:
 
 
 def _settled(
-    record: Record | None, wanted: Iterable[str], timeout: float | None, rerun: Iterable[str]
+    record: Record | None, wanted: Mapping[str, Output], timeout: float | None, rerun: Iterable[str]
 ) -> bool:
     """True when a run need not be done (again)."""
     if record is None or not record.answers(wanted):
@@ -159,13 +161,16 @@ def _settled(
 
 
 def _adopt(
-    book: Journal, missing: list[str], wanted: Iterable[str], others: Iterable[str | Path]
+    book: Journal, missing: list[str], wanted: Mapping[str, Output], others: Iterable[str | Path]
 ) -> list[str]:
     """Copy good runs from other journals; return the keys that none of them has."""
     for folder in others:
         if not missing:
             break
-        contents = read(folder)
+        try:
+            contents = read(folder)
+        except ResultsError:  # told when that study itself is asked for
+            continue
         found = {
             key
             for key in missing

@@ -23,7 +23,8 @@ import xarray as xr
 from surrogate.errors import ResultsError, StudyError, nearest
 from surrogate.runs.files import write_bytes
 from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
-from surrogate.runs.journal import JournalContents, Record
+from surrogate.runs.journal import JournalContents
+from surrogate.runs.record import Record
 from surrogate.solver import Output
 from surrogate.space.space import Space
 

@@ -20,7 +20,9 @@ import xarray as xr
 from surrogate.errors import ResultsError, StudyError
 from surrogate.runs import dataset as rundata
 from surrogate.runs.identity import RunInputs, SolverSpec, keys_in
-from surrogate.runs.journal import JournalContents, Record
+from surrogate.runs.journal import JournalContents
+from surrogate.runs.record import Record
+from surrogate.solver import Output
 
 #: Inputs that differ by less than this share of the largest value in a file are one input.
 SAME = 1e-12
@@ -74,7 +76,7 @@ class StoredRuns:
         outputs, fields = {}, {}
         for name in rundata.output_names(self.runs) if status == "ok" else ():
             if self.runs[name].ndim > 1:
-                fields[name] = {"row": row}
+                fields[name] = {"row": row, "shape": self.runs[name].shape[1:]}
             else:
                 outputs[name] = float(self.runs[name].values[row])
         return Record(
@@ -134,13 +136,13 @@ def match(
     spec: SolverSpec,
     calls: Sequence[RunInputs],
     keys: Sequence[str],
-    wanted: Iterable[str],
+    wanted: Mapping[str, Output],
 ) -> StoredMatches:
     """The stored runs that are points of a study, of several the first with an answer.
 
     calls, keys: the study's points. Good runs must have all outputs `wanted`.
     """
-    wanted, given = list(wanted), StoredMatches()
+    given = StoredMatches()
     for file in files:
         if file.context != spec.context:
             continue
@@ -187,7 +189,7 @@ class KnownRuns:
 
     journal: JournalContents
     given: StoredMatches
-    wanted: tuple[str, ...]
+    wanted: Mapping[str, Output]
 
     @cached_property
     def records(self) -> dict[str, Record]:
@@ -274,7 +276,8 @@ def write(runs: xr.Dataset, path: str | Path) -> None:
         if _fits_single(finished[name])
     }
     finished = finished.assign(single)
-    finished.attrs.pop("stored", None)
+    for of_the_journal in ("stored", "damaged"):
+        finished.attrs.pop(of_the_journal, None)
     encoding = {
         str(name): {"zlib": True, "complevel": 6, "shuffle": True}
         for name, variable in finished.variables.items()

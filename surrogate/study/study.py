@@ -143,15 +143,21 @@ class Study:
 
     def _matching(self, files: Iterable[StoredRuns]) -> StoredMatches:
         return storing.match(
-            files, self.spec, self._calls, keys(self.spec, self._calls), self.outputs
+            files,
+            self.spec,
+            self._calls,
+            keys(self.spec, self._calls),
+            self.spec.wanted(self.outputs),
         )
 
     def stored(self, results: Path | None = None) -> xr.Dataset:
         """The runs dataset as far as the journal and the stored files go; the rest is 'missing'.
 
-        Its attribute `stored` tells how many runs came from which stored file.
+        Its attribute `stored` tells how many runs came from which stored file, `damaged` has
+        a sentence for each damaged record of the journal.
         """
-        known = KnownRuns(read_journal(self.journal(results)), self._given, self.outputs)
+        contents = read_journal(self.journal(results))
+        known = KnownRuns(contents, self._given, self.spec.wanted(self.outputs))
         runs = rundata.assemble(
             self.space,
             self.points,
@@ -166,7 +172,14 @@ class Study:
                 if "seed" in design.options
             },
         )
-        return runs.assign_attrs(stored=canonical(known.origins(keys(self.spec, self._calls))))
+        return runs.assign_attrs(
+            stored=canonical(known.origins(keys(self.spec, self._calls))),
+            damaged=canonical(contents.told),
+        )
+
+    def damaged(self, results: Path | None = None) -> list[str]:
+        """A sentence for each damaged record of the journal."""
+        return read_journal(self.journal(results)).told
 
     @property
     def unused(self) -> list[str]:

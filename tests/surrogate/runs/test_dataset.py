@@ -15,7 +15,8 @@ from surrogate.errors import ResultsError, StudyError
 from surrogate.execution.execute import execute
 from surrogate.runs import dataset as rundata
 from surrogate.runs.identity import SolverSpec, keys, run_inputs
-from surrogate.runs.journal import JournalContents, Record, read
+from surrogate.runs.journal import JournalContents, read
+from surrogate.runs.record import Record
 from surrogate.solver import Output
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space

@@ -15,8 +15,11 @@ from hypothesis import strategies as st
 
 from surrogate.errors import ResultsError
 from surrogate.runs import journal
-from surrogate.runs.journal import Journal, Record, read
+from surrogate.runs.journal import Journal, read
+from surrogate.runs.record import Record
+from surrogate.solver import Output
 
+WANTED = {"y": Output(), "field": Output(dims=("i",), coordinates={"i": np.arange(3.0)})}
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 
 
@@ -50,7 +53,7 @@ def test_gives_back_every_bit(tmp_path_factory, x, values, message):
     back = contents.records["k"]
     assert (back.inputs, back.message, back.seconds) == ({"x": x}, message, abs(x))
     assert contents.values(back, "field").tobytes() == np.array(values).tobytes()
-    assert back.holds(["y", "field"]) and not back.holds(["z"])
+    assert back.holds(WANTED) == (len(values) == 3)
 
 
 def test_survives_a_cut_at_every_byte_of_the_last_record(tmp_path, monkeypatch):
@@ -69,7 +72,7 @@ def test_survives_a_cut_at_every_byte_of_the_last_record(tmp_path, monkeypatch):
             assert list(book.records) == ["k0", "k1", "k2", "k3"]
             book.append(record("k4", 4 / 3), {"field": np.full((2, 3), 4 / 7)})
         check_filled(read(torn), ["k0", "k1", "k2", "k3", "k4"])
-        assert read(torn).dropped == 0
+        assert not read(torn).damaged
         shutil.rmtree(torn)
 
 
@@ -79,7 +82,7 @@ def test_a_run_whose_array_is_torn_does_not_count(tmp_path, lost):
     fill(tmp_path)
     os.truncate(tmp_path / journal.FIELDS, 5 * 48 - lost)
     check_filled(read(tmp_path), ["k0", "k1", "k2", "k3"])
-    assert read(tmp_path).dropped == 1
+    assert read(tmp_path).damaged == {5: "its array 'field' is cut off"}
     with Journal(tmp_path) as book:
         book.append(record("k4", 4 / 3), {"field": np.full((2, 3), 4 / 7)})
     check_filled(read(tmp_path), ["k0", "k1", "k2", "k3", "k4"])
@@ -95,7 +98,10 @@ def test_a_changed_array_or_line_does_not_count(tmp_path):
     lines[3] = b"\0" * (len(lines[3]) - 1) + b"\n"
     (tmp_path / journal.RECORDS).write_bytes(b"".join(lines))
     check_filled(read(tmp_path), ["k0", "k2", "k4"])
-    assert read(tmp_path).dropped == 2
+    assert read(tmp_path).damaged == {
+        2: "the checksum of its array 'field' does not match",
+        4: "it is no record of a run",
+    }
 
 
 def test_the_last_record_of_a_key_counts(tmp_path):
@@ -137,7 +143,7 @@ def test_a_full_disk_keeps_what_is_there(tmp_path, monkeypatch, room):
         with pytest.raises(ResultsError, match="No space left.*finished so far are kept"):
             book.append(record("k5", 5 / 3), {"field": np.full((2, 3), 5 / 7)})
         monkeypatch.undo()
-    assert read(tmp_path).dropped == 0
+    assert not read(tmp_path).damaged
     check_filled(read(tmp_path), [f"k{i}" for i in range(5)])
     with Journal(tmp_path) as book:
         book.append(record("k5", 5 / 3), {"field": np.full((2, 3), 5 / 7)})
@@ -148,7 +154,8 @@ def test_a_limit_of_file_size_keeps_what_is_there(tmp_path):
     """The system's own refusal (RLIMIT_FSIZE) in another process."""
     program = textwrap.dedent(f"""
         import resource
-        from surrogate.runs.journal import Journal, Record
+        from surrogate.runs.journal import Journal
+        from surrogate.runs.record import Record
         resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
         with Journal({str(tmp_path)!r}) as book:
             for i in range(1000):
@@ -159,7 +166,7 @@ def test_a_limit_of_file_size_keeps_what_is_there(tmp_path):
     lines = (tmp_path / journal.RECORDS).read_bytes().splitlines(keepends=True)
     assert sum(map(len, lines)) + len(lines[-1]) > 5000
     assert list(read(tmp_path).records) == [f"k{i}" for i in range(len(lines))]
-    assert read(tmp_path).dropped == 0
+    assert not read(tmp_path).damaged
 
 
 HOLD = """
