@@ -12,9 +12,12 @@ faster. Both keep what depends on the pattern alone.
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import os
 import weakref
+from functools import cache
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -35,7 +38,7 @@ PARDISO_PRECISION = {np.float32: {28: 1, 10: 8}, np.float64: {28: 0, 10: 13}}
 class DirectSolver:
     """Factors of matrices that share one pattern, and refined solutions with them.
 
-    name     `superlu`, `pardiso`, or `auto`: pardiso when it is installed
+    name     `superlu`, `pardiso`, or `auto`: pardiso when it works here
     pattern  (n, n) with sorted indices; its values do not matter
     """
 
@@ -140,7 +143,7 @@ class Pardiso:
     """
 
     def __init__(self, pattern: csc_array, precision: type):
-        module = importlib.import_module("pypardiso")
+        module = pypardiso()
         # Spares each further engine a search of the whole installation for the library.
         os.environ.setdefault("PYPARDISO_MKL_RT", module.ps.libmkl._name)
         self._engine = module.PyPardisoSolver(mtype=11)
@@ -200,18 +203,48 @@ ENGINES = {"superlu": SuperLU, "pardiso": Pardiso}
 
 
 def engine_class(name: str) -> type:
-    """The engine of that name; `auto` is pardiso when it is installed."""
-    installed = importlib.util.find_spec("pypardiso") is not None
-    if name == "auto":
-        name = "pardiso" if installed else "superlu"
-    if name not in ENGINES:
+    """The engine of that name; `auto` is pardiso where it works, superlu elsewhere.
+
+    Raises SolverError for a name that is unknown, and for pardiso where it does not work.
+    """
+    if name not in (*ENGINES, "auto"):
         raise SolverError(f"linear solver: {nearest(name, [*ENGINES, 'auto'])}")
-    if name == "pardiso" and not installed:
-        raise SolverError(
-            "linear solver pardiso needs pypardiso: pip install 'surrogate-studies[fast]', "
-            "or take 'superlu'"
-        )
-    return ENGINES[name]
+    if name == "superlu":
+        return SuperLU
+    if not isinstance(pypardiso(), Exception):
+        return Pardiso
+    if name == "auto":
+        return SuperLU
+    raise SolverError(
+        f"linear solver pardiso does not work here ({pypardiso()}): pip install "
+        "'surrogate-studies[fast]'; if MKL lies elsewhere, set PYPARDISO_MKL_RT to the path "
+        "of its library libmkl_rt; or take 'superlu'"
+    )
+
+
+@cache
+def pypardiso() -> ModuleType | Exception:
+    """The package, told where MKL is; or why it does not work here: its search takes seconds."""
+    library = mkl_library()
+    if library is not None:
+        os.environ.setdefault("PYPARDISO_MKL_RT", str(library))
+    try:
+        return importlib.import_module("pypardiso")
+    except (ImportError, OSError) as error:
+        return error
+
+
+def mkl_library() -> Path | None:
+    """MKL's library as the package `mkl` installed it, whatever the number in its name.
+
+    pypardiso looks for it under the prefix of this Python only.
+    """
+    try:
+        files = distribution("mkl").files or ()
+    except PackageNotFoundError:
+        return None
+    found = (Path(str(file.locate())) for file in files if "mkl_rt" in file.name)
+    return next((path for path in found if path.is_file()), None)
 
 
 def with_values(pattern: csc_array, values: np.ndarray) -> csc_array:

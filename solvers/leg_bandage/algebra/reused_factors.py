@@ -23,7 +23,7 @@ WORTH, MOST = 20, 30
 class ReusedFactors:
     """Solutions of systems that share one pattern and change slowly.
 
-    name     `superlu`, `pardiso`, or `auto`: pardiso when it is installed
+    name     `superlu`, `pardiso`, or `auto`: pardiso where it works
     pattern  (n, n) with sorted indices; its values do not matter
     """
 

@@ -44,7 +44,7 @@ class System:
 
     parts   mechanical parts; n_dofs is the length of u
     fixed   dofs that do not move
-    solver  `superlu`, `pardiso`, or `auto`: pardiso when installed
+    solver  `superlu`, `pardiso`, or `auto`: pardiso where it works
     """
 
     def __init__(

@@ -1,12 +1,14 @@
 """Triplets to one sparse system, and its direct solution."""
 
-import importlib.util
+import importlib
+import sys
 
 import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
 from surrogate.errors import SolverError
+from surrogate_solvers.leg_bandage.algebra import direct
 from surrogate_solvers.leg_bandage.algebra.direct import DirectSolver
 from surrogate_solvers.leg_bandage.algebra.reused_factors import SHARE, ReusedFactors, gmres
 from surrogate_solvers.leg_bandage.algebra.system import System, compress
@@ -17,7 +19,7 @@ from surrogate_solvers.leg_bandage.tissue.mesh import cylindrical_surface, leg_m
 from surrogate_solvers.leg_bandage.tissue.neo_hooke import Tissue
 from surrogate_solvers.leg_bandage.verification.plates import laid
 
-ENGINES = ["superlu"] + (["pardiso"] if importlib.util.find_spec("pypardiso") else [])
+ENGINES = ["superlu"] + (["pardiso"] if direct.engine_class("auto") is direct.Pardiso else [])
 
 
 class Random:
@@ -194,3 +196,42 @@ def test_unknown_engine_is_named():
     pattern, _ = compress(np.arange(2), np.arange(2), 2)
     with pytest.raises(SolverError, match="did you mean 'pardiso'"):
         DirectSolver("paradiso", pattern)
+
+
+@pytest.fixture
+def no_library(monkeypatch):
+    """pypardiso is there, MKL's library is not."""
+
+    def fails(name):
+        raise ImportError("Shared library mkl_rt not found.")
+
+    monkeypatch.setattr(importlib, "import_module", fails)
+    monkeypatch.setattr(direct, "mkl_library", lambda: None)
+    direct.pypardiso.cache_clear()
+    yield
+    direct.pypardiso.cache_clear()
+
+
+def test_without_the_library_of_mkl_auto_is_superlu(no_library):
+    """`auto` solves all the same; `pardiso` by its name is refused with the cure."""
+    pattern, _ = compress(np.arange(2), np.arange(2), 2)
+    solver = DirectSolver("auto", pattern)
+    solver.factorise(np.array([2.0, 4.0]))
+    np.testing.assert_allclose(solver.solve(np.array([1.0, 1.0])), [0.5, 0.25])
+    assert direct.engine_class("auto") is direct.SuperLU
+    with pytest.raises(SolverError, match="mkl_rt not found.*pip install.*PYPARDISO_MKL_RT"):
+        DirectSolver("pardiso", pattern)
+
+
+@pytest.mark.parametrize("name", ["libmkl_rt.so.2", "libmkl_rt.so.3", "mkl_rt.2.dll"])
+def test_the_library_of_mkl_is_found_by_its_package(tmp_path, monkeypatch, name):
+    """Beside the site-packages that holds the package `mkl`, whatever the number in its name."""
+    site = tmp_path / "lib" / "python3" / "site-packages"
+    (site / "mkl-1.dist-info").mkdir(parents=True)
+    (site / "mkl-1.dist-info" / "METADATA").write_text("Name: mkl\nVersion: 1\n")
+    (site / "mkl-1.dist-info" / "RECORD").write_text(f"../../{name},,\n../../libmkl_core.so.2,,\n")
+    (tmp_path / "lib" / name).touch()
+    monkeypatch.setattr(sys, "path", [str(site)])
+    assert direct.mkl_library().resolve() == (tmp_path / "lib" / name).resolve()
+    (tmp_path / "lib" / name).unlink()
+    assert direct.mkl_library() is None
