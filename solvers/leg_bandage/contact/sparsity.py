@@ -25,7 +25,8 @@ class PatternOutgrown(Exception):
 class ContactPattern:
     """Pairs of nodes that points may couple, laid out around projections xi (n, 2).
 
-    own (n, k) are the nodes of the points, `surface` says which nodes move its cells.
+    own (n, k) are the nodes of the points, `surface` says which nodes move its cells; n may
+    be 0, a part of the bandage that faces nothing.
     rows, cols  (nnz,) int32 triplets of dofs: 3 x 3 blocks of pairs of nodes
     """
 
@@ -33,7 +34,7 @@ class ContactPattern:
         self._own, self._surface, self._laid = own, surface, xi.copy()
         corners = np.array([(0, 0), (-1, -1), (-1, 1), (1, -1), (1, 1)]) * MARGIN
         windows = [surface.cell(xi + corner) for corner in corners]
-        self._count = 1 + max(int(self._nodes(window).max()) for window in windows)
+        self._count = 1 + max(int(self._nodes(window).max(initial=-1)) for window in windows)
         pattern = sum(_pairs(self._nodes(window), self._count) for window in windows)
         pattern.sort_indices()
         row = np.repeat(np.arange(self._count), np.diff(pattern.indptr))
@@ -84,7 +85,7 @@ class ContactPattern:
         keys[(nodes >= self._count).any(axis=1)] = -1
         place = np.minimum(np.searchsorted(self._keys, keys), len(self._keys) - 1)
         place[self._keys[place] != keys] = len(self._keys)
-        return place.reshape(len(nodes), -1)
+        return place.reshape(len(nodes), nodes.shape[1] ** 2)
 
 
 def _pairs(nodes: np.ndarray, count: int) -> csr_array:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surrogate.errors import SolverError
-from surrogate_solvers.leg_bandage.bandage.fabric import Fabric
+from surrogate_solvers.leg_bandage.bandage.fabric import WRINKLING, Fabric
 from surrogate_solvers.leg_bandage.bandage.products import BANDAGES, NOMINAL, at_tension, bandage
 
 CURVE = ((1.0, 0.0), (1.1, 0.05), (1.3, 0.098), (1.6, 0.13), (1.7, 0.2))
@@ -118,3 +118,18 @@ def test_wrinkled_fabric_keeps_tension_and_loses_compression(curve):
     first = plain._tension_and_slope(np.array([1.0]))[1][0]
     assert soft._tension_and_slope(np.array([0.9]))[1][0] == pytest.approx(0.05 * first)
     assert soft.tension(0.96) == pytest.approx(first * (-0.04 + 0.95 * 0.02))
+
+
+@pytest.mark.parametrize("curve", [(), CURVE])
+def test_force_is_the_derivative_of_the_energy_while_wrinkling(curve):
+    """Both the wrinkling range, 0 to -2 WRINKLING of strain, and what lies beyond it.
+
+    There the wrinkled fabric stores less energy than the plain one, by what it spares.
+    """
+    plain = replace(NOMINAL, curve=curve)
+    soft = replace(plain, wrinkled=0.05)
+    stretch = 1 - WRINKLING * np.array([0.2, 0.7, 1.3, 1.8, 2.5, 4.0, 10.0])
+    h = 1e-6
+    ahead, behind = soft.warp_energy(stretch + h), soft.warp_energy(stretch - h)
+    np.testing.assert_allclose(soft.warp_force(stretch)[0], (ahead - behind) / (2 * h), rtol=1e-6)
+    assert np.all(soft.warp_energy(stretch) < plain.warp_energy(stretch))

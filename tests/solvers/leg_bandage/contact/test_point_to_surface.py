@@ -227,3 +227,24 @@ def test_release_keeps_the_traction_that_friction_can_give():
     closed = before["gap"] < -LAW.ramp
     assert closed.any()
     assert np.allclose(got[closed], np.minimum(asked, limit)[closed], rtol=1e-9)
+
+
+@pytest.mark.parametrize("surface", ["skin", "strip"])
+def test_a_part_of_the_bandage_that_faces_nothing_is_a_part(surface):
+    """No points: no force, an empty tangent, no dissipation, through every step of a run."""
+    full, _ = patch_on_tube(13)
+    points = Points(*(part[:0] for part in (full.points.nodes, full.points.weights)),
+                    full.points.area[:0], full.points.tied[:0])  # fmt: skip
+    faced = full.surface if surface == "skin" else Strip(4, 3, offset=160)
+    contact, u = Contact(points, faced, full.X, np.zeros((0, 2)), [], LAW), np.zeros(full.X.size)
+    contact.close(u)
+    contact.bond()
+    for _ in range(2):
+        residual, tangent = contact.linearise(u)
+        assert not residual.any() and tangent().size == contact.rows.size == contact.cols.size == 0
+        contact.advance(u)
+        contact.slide(u)
+    contact.follow(u)
+    contact.take_over(contact, 0)
+    assert contact.accept(u) == 0.0
+    assert contact.report(u)["p"].size == 0

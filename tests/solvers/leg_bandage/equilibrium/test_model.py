@@ -186,6 +186,14 @@ def test_turn_by_turn_on_the_deformed_leg():
 
 
 @pytest.mark.slow
+def test_a_first_turn_that_covers_no_other():
+    """Narrow, with 60 % overlap: the part wrapped first has no contact between turns yet."""
+    laid = LegBandage(mesh="coarse")(wrapping="progressive", overlap=0.6, width=80.0)
+    assert laid["layers_b1"] == pytest.approx(2.5, abs=0.3)
+    assert 35 < laid["pressure_b1"] < 47
+
+
+@pytest.mark.slow
 def test_a_free_end_held_in_place_and_pinned_cuts():
     """The end conditions are far from B1: they change its pressure by less than 2 %."""
     clipped = LegBandage(mesh="coarse")()["pressure_b1"]
