@@ -46,25 +46,26 @@ class Field(RegressorMixin, BaseEstimator):
     def fit(self, X, y):
         """Fit to coded points X (n, d) and fields y (n, ...)."""
         amplitudes = self._decompose(y)
-        self.estimators_ = [clone(self.estimator).fit(X, own) for own in amplitudes.T]
+        if hasattr(self.estimator, "fit_many") and amplitudes.size:
+            self.estimators_ = clone(self.estimator).fit_many(X, amplitudes)
+        else:
+            self.estimators_ = [clone(self.estimator).fit(X, own) for own in amplitudes.T]
         self.n_features_in_ = np.shape(X)[1]
         return self
 
     def refitted(self, X, y) -> Field:
         """A field fitted to some of the runs: modes of its own, regressors near these.
 
-        The regressor of a mode starts from that of this field's mode with the same number,
-        where it offers `refitted`; a mode beyond those is fitted from nothing.
+        A regressor that offers `refit_many` is given those of this field's modes to start from.
         """
         check_is_fitted(self)
+        if not (hasattr(self.estimator, "refit_many") and self.estimators_):
+            return clone(self).fit(X, y)
         other = clone(self)
         amplitudes = other._decompose(y)
-        near = [
-            getattr(model, "refitted", clone(self.estimator).fit)
-            for model in self.estimators_[: amplitudes.shape[1]]
-        ]
-        near += [clone(self.estimator).fit for _ in range(amplitudes.shape[1] - len(near))]
-        other.estimators_ = [fit(X, own) for fit, own in zip(near, amplitudes.T, strict=True)]
+        other.estimators_ = []
+        if amplitudes.size:
+            other.estimators_ = clone(self.estimator).refit_many(self.estimators_, X, amplitudes)
         other.n_features_in_ = np.shape(X)[1]
         return other
 

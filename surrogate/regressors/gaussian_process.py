@@ -7,18 +7,27 @@ Notz, The Design and Analysis of Computer Experiments (2nd ed. 2018), chapters 3
 
 from __future__ import annotations
 
+from copy import copy
 from itertools import product
+from typing import Any, Self
 
 import numpy as np
-from scipy import linalg, optimize
+from numpy.typing import ArrayLike, NDArray
+from scipy import linalg
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.errors import nearest
 from surrogate.regressors import anova, paths, portable
 from surrogate.regressors.columns import columns_of, expand
-from surrogate.regressors.matern import Posterior, condition, correlation, weighted_sum
-from surrogate.regressors.polynomial import design_matrix, linear_terms
+from surrogate.regressors.kriging import Factored, factored, left_out_errors
+from surrogate.regressors.length_search import Search, guesses
+from surrogate.regressors.likelihood import Posterior
+from surrogate.regressors.matern import blocks, correlation, weighted_sum
+from surrogate.regressors.polynomial import Term, design_matrix, linear_terms
+from surrogate.space.space import Space
+
+Array = NDArray[np.float64]
 
 #: Coded inputs span 2: below the lower bound neighbouring runs of any affordable design are
 #: unrelated, above the upper one an input is a straight line or plays no part.
@@ -27,13 +36,16 @@ LENGTHS = (0.05, 50.0)
 #: weights that lose ten digits) to as much noise as signal.
 NUGGETS = (1e-8, 1.0)
 TRENDS = ("constant", "linear")
-#: Above this number of runs the starts are tried on a part of the runs.
+#: Above this number of runs guesses are tried on a part of the runs.
 SUBSET = 300
 #: Up to this number of runs a left-out fold has its own lengths and nugget.
 REFIT = 200
 #: Relative change of the deviance at which a search ends: of the fit, and of a refit to
 #: most of the runs, whose lengths need fewer digits.
 FINE, ROUGH = 2e-9, 1e-6
+#: Of many outputs those that hold this share of the variance, and at least so many, are searched
+#: for one by one, of the fit and of a refit; the others take the most probable lengths seen.
+LEADING, LEADING_AGAIN = (0.98, 20), (0.9, 5)
 QUADRATURE = 96
 
 
@@ -48,46 +60,81 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
     space   the Space of the inputs; None for numeric inputs uniform on [-1, 1]
 
     Fitted: `lengths_` (c,) in coded units, `nugget_`, `variance_` in the output's unit
-    squared, `trend_` (q,), `state_` (`matern.Conditioned`, of standardised values).
+    squared, `trend_` (q,), `weights_` (n,) of standardised values, `factors_` (`kriging.Factored`).
     """
 
-    def __init__(self, trend="constant", nugget="estimate", starts=3, seed=0, space=None):
+    def __init__(
+        self,
+        trend: str = "constant",
+        nugget: str | float = "estimate",
+        starts: int = 3,
+        seed: int = 0,
+        space: Space | None = None,
+    ) -> None:
         self.trend = trend
         self.nugget = nugget
         self.starts = starts
         self.seed = seed
         self.space = space
 
-    def fit(self, X, y):
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
         self._take(X, y)
-        self._set(self._search(self._starts()))
+        logs = guesses(self._bounds(), self.seed)
+        if self.scale_ > 0.0:
+            logs = self._search(self.standard_[:, None], logs, 1, max(self.starts, 1), FINE)
+        self._set(logs[0], self._factored(logs[0]))
         return self
 
-    def refitted(self, X, y) -> GaussianProcess:
-        """A process fitted to other runs of nearly the same function.
+    def fit_many(self, X: ArrayLike, Y: ArrayLike) -> list[GaussianProcess]:
+        """Processes of outputs Y (n, k) of the same runs X (n, d), whose searches share places."""
+        models = self._taken(X, np.asarray(Y))
+        Y = np.column_stack([model.standard_ for model in models])
+        leading, first = _leading(models, *LEADING), models[0]
+        start = guesses(first._bounds(), self.seed)
+        return _settled(models, first._search(Y, start, leading, 1, FINE))
 
-        One search, from this one's lengths and nugget; above `REFIT` runs they are kept.
+    def refit_many(
+        self, near: list[GaussianProcess], X: ArrayLike, Y: ArrayLike
+    ) -> list[GaussianProcess]:
+        """Processes of outputs Y (n, k) of other runs of nearly the same functions.
+
+        near  fitted processes, k of them or fewer
+
+        Each takes the most probable of their lengths and nuggets, and those of leading outputs
+        are searched for from there; above `REFIT` runs they are kept, output by output.
         """
-        check_is_fitted(self)
-        other = GaussianProcess(**self.get_params(deep=False))
-        other._take(X, y)
-        few = len(other.points_) <= REFIT
-        other._set(other._search(self.logs_[None], ROUGH) if few else self.logs_)
-        return other
+        models = self._taken(X, np.asarray(Y))
+        places = np.array([model.logs_ for model in near])
+        if len(models[0].points_) > REFIT:
+            return _settled(models, places[np.minimum(np.arange(len(models)), len(near) - 1)])
+        Y = np.column_stack([model.standard_ for model in models])
+        leading = _leading(models, *LEADING_AGAIN)
+        return _settled(models, models[0]._search(Y, np.unique(places, axis=0), leading, 1, ROUGH))
 
-    def _take(self, X, y) -> None:
+    def _taken(self, X: ArrayLike, Y: Array) -> list[GaussianProcess]:
+        """A process for each output, with runs but without lengths."""
+        self._take(X, Y[:, 0])
+        models = [copy(self) for _ in Y.T]
+        for model, y in zip(models, Y.T, strict=True):
+            model._standardise(y)
+        return models
+
+    def _take(self, X: ArrayLike, y: ArrayLike) -> None:
         """Runs in numeric columns and standardised values."""
         X, y = validate_data(self, X, y, y_numeric=True, ensure_min_samples=2)
         self._check(X)
         self.columns_ = columns_of(self.space, X.shape[1])
         self.points_ = expand(X, self.columns_)
+        self._standardise(y)
+
+    def _standardise(self, y: Array) -> None:
         self.offset_, self.scale_ = float(y.mean()), float(y.std())
         if self.scale_ <= 1e-14 * np.abs(y).max():
             self.scale_ = 0.0
         self.standard_ = (y - self.offset_) / (self.scale_ or 1.0)
 
-    def _check(self, X) -> None:
+    def _check(self, X: Array) -> None:
         if self.trend not in TRENDS:
             raise ValueError(f"trend '{self.trend}': {nearest(self.trend, TRENDS)}")
         if self.nugget != "estimate" and not (np.isreal(self.nugget) and self.nugget > 0):
@@ -95,11 +142,11 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
                 f"nugget {self.nugget}: give 'estimate' or a number above 0, such as 1e-8"
             )
 
-    def trend_columns(self, points: np.ndarray) -> np.ndarray:
+    def trend_columns(self, points: Array) -> Array:
         """F (n, q): ones, and the columns for a linear trend."""
         return design_matrix(self._trend_terms(), points)
 
-    def _checked_trend(self, points: np.ndarray) -> np.ndarray:
+    def _checked_trend(self, points: Array) -> Array:
         """F (n, q) of training points, which must determine the trend."""
         F = self.trend_columns(points)
         if len(F) <= F.shape[1] or np.linalg.matrix_rank(F) < F.shape[1]:
@@ -109,108 +156,101 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             )
         return F
 
-    def _trend_terms(self) -> list:
+    def _trend_terms(self) -> list[Term]:
         return linear_terms(self.columns_) if self.trend == "linear" else [()]
 
-    def minimum_runs(self, space) -> int:
+    def minimum_runs(self, space: Space) -> int:
         """Runs that a fit needs: two more than the trend has coefficients."""
         return 2 + (
             len(linear_terms(columns_of(space, space.size))) if self.trend == "linear" else 1
         )
 
-    def _bounds(self) -> np.ndarray:
+    def _bounds(self) -> Array:
         """Bounds of log lengths and log nugget, (c + 1, 2)."""
         nugget = NUGGETS if self.nugget == "estimate" else (self.nugget, self.nugget)
         return np.log([LENGTHS] * self.points_.shape[1] + [nugget])
 
-    def _starts(self) -> np.ndarray:
-        """First guesses (starts, c + 1): a middling one, then random ones."""
-        rng = np.random.default_rng(self.seed)
-        count, bounds = self.points_.shape[1], self._bounds()
-        guesses = np.log(rng.uniform(0.3, 5.0, (max(self.starts, 1), count + 1)))
-        guesses[0] = np.log(2.0)
-        guesses[:, -1] = rng.uniform(np.log(1e-7), np.log(1e-2), len(guesses))
-        guesses[0, -1] = np.log(1e-4)
-        return np.clip(guesses, *bounds.T)
-
-    def _search(self, starts: np.ndarray, end: float = FINE) -> np.ndarray:
-        """Most probable log lengths and log nugget found."""
-        if self.scale_ == 0.0:
-            return starts[0]
+    def _search(self, y: Array, start: Array, leading: int, starts: int, end: float) -> Array:
+        """Most probable log lengths and log nugget found of each output of y (n, outputs)."""
         n = len(self.points_)
         if n > SUBSET:
             chosen = np.random.default_rng(self.seed).permutation(n)[:SUBSET]
-            starts = self._local(chosen, starts, end)[None]
-        return self._local(np.arange(n), starts, end)
+            found = self._local(chosen, y, start, leading, starts, end)
+            start, starts = np.unique(found, axis=0), 1
+        return self._local(np.arange(n), y, start, leading, starts, end)
 
-    def _local(self, chosen: np.ndarray, starts: np.ndarray, end: float) -> np.ndarray:
-        """Best end (c + 1,) of local searches on some runs from each start."""
+    def _local(
+        self,
+        chosen: NDArray[np.intp],
+        y: Array,
+        start: Array,
+        leading: int,
+        starts: int,
+        end: float,
+    ) -> Array:
         points = self.points_[chosen]
-        posterior = Posterior(points, self._checked_trend(points), self.standard_[chosen])
-        found = [
-            optimize.minimize(
-                posterior,
-                start,
-                jac=True,
-                method="L-BFGS-B",
-                bounds=self._bounds(),
-                options={"maxiter": 200, "ftol": end},
-            )
-            for start in starts
-        ]
-        return min(found, key=lambda one: one.fun).x
+        posterior = Posterior(points, self._checked_trend(points), y[chosen])
+        search = Search(posterior, self._bounds())
+        search.judge(start)
+        for output in range(leading):
+            search.descend(output, starts, end)
+        return search.found()
 
-    def _set(self, logs: np.ndarray) -> None:
+    def _factored(self, logs: Array) -> Factored:
+        matrix = correlation(self.points_, self.points_, np.exp(logs[:-1]))
+        np.fill_diagonal(matrix, 1.0 + np.exp(logs[-1]))
+        return factored(matrix, self._checked_trend(self.points_))
+
+    def _set(self, logs: Array, factors: Factored) -> None:
+        self.logs_, self.factors_ = logs, factors
         self.lengths_, self.nugget_ = np.exp(logs[:-1]), float(np.exp(logs[-1]))
-        matrix = correlation(self.points_, self.points_, self.lengths_)
-        np.fill_diagonal(matrix, 1.0 + self.nugget_)
-        self.state_ = condition(matrix, self._checked_trend(self.points_), self.standard_)
-        self.variance_ = self.scale_**2 * self.state_.variance
-        self.trend_ = self.state_.trend
-        self.logs_ = logs
+        self.weights_ = factors.weights(self.standard_)
+        self.trend_ = factors.trend(self.standard_)
+        self.variance_ = self.scale_**2 * float(factors.variance(self.standard_, self.weights_))
 
     @property
     def interval_freedom(self) -> int:
         """Degrees of freedom n - q of the t distribution of predictions (variance unknown)."""
         return len(self.points_) - len(self.trend_)
 
-    def predict(self, X, return_std=False):
+    def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
         """Values (m,) at coded X (m, d); with the standard deviation of a new run."""
         check_is_fitted(self)
         points = self.expanded(X)
         F = self.trend_columns(points)
-        mean = F @ self.trend_ + weighted_sum(
-            points, self.points_, self.lengths_, self.state_.weights
-        )
-        mean = self.offset_ + self.scale_ * mean
-        return (mean, self._std(points, F)) if return_std else mean
+        if return_std:
+            mean, variance = self._mean_and_variance(points)
+        else:
+            mean = weighted_sum(points, self.points_, self.lengths_, self.weights_)
+        mean = self.offset_ + self.scale_ * (mean + F @ self.trend_)
+        return (mean, np.sqrt(variance)) if return_std else mean
 
-    def expanded(self, X) -> np.ndarray:
+    def expanded(self, X: ArrayLike) -> Array:
         """Numeric columns (m, c) of coded points (m, d)."""
         return expand(validate_data(self, X, reset=False), self.columns_)
 
-    def _std(self, points: np.ndarray, F: np.ndarray) -> np.ndarray:
-        """Standard deviation of a new run (Santner et al. 2018, equation 3.2.8), in blocks."""
-        variance, step = np.empty(len(points)), 2048
-        solved = linalg.cho_solve((self.state_.factor, True), self.trend_columns(self.points_))
-        for start in range(0, len(points), step):
-            part = slice(start, start + step)
-            cross = correlation(points[part], self.points_, self.lengths_)
-            explained = linalg.solve_triangular(self.state_.factor, cross.T, lower=True)
-            rest = F[part] - cross @ solved
-            variance[part] = (
-                1.0
-                + self.nugget_
-                - (explained**2).sum(axis=0)
-                + ((rest @ self.state_.gain) * rest).sum(axis=1)
-            )
-        return np.sqrt(self.variance_ * np.maximum(variance, self.nugget_))
+    def _mean_and_variance(self, points: Array) -> tuple[Array, Array]:
+        """What the trend leaves of the mean, and the variance of a new run, each (m,).
 
-    def leave_one_out(self) -> np.ndarray:
+        Santner et al. 2018, equation 3.2.8: the correlations r with the runs explain r' R^-1 r.
+        """
+        one, unit = self.factors_, 3.0 ** len(self.lengths_)
+        mean, variance = np.empty((2, len(points)))
+        for part, block in blocks(points, self.points_, self.lengths_):
+            block /= unit
+            mean[part] = block @ self.weights_
+            rest = self.trend_columns(points[part]) - block @ one.solved
+            explained = linalg.blas.dtrsm(1.0, one.factor, block.T, lower=1, overwrite_b=1).T
+            variance[part] = np.einsum("ij,jk,ik->i", rest, one.gain, rest)
+            variance[part] -= np.einsum("ij,ij->i", explained, explained)
+        variance += 1.0 + self.nugget_
+        return mean, self.variance_ * np.maximum(variance, self.nugget_)
+
+    def leave_one_out(self) -> Array:
         """Predictions (n,) of each run without it, lengths and nugget kept (Dubrule 1983)."""
         return self._closed(np.arange(len(self.points_)))
 
-    def leave_out(self, folds) -> np.ndarray:
+    def leave_out(self, folds: ArrayLike) -> Array:
         """Predictions (n,) of each run without its fold (n,).
 
         Up to `REFIT` runs lengths and nugget are estimated anew without the fold, from
@@ -228,28 +268,24 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
                 continue  # the rest cannot support the trend: stays NaN
         return result
 
-    def _without(self, inside: np.ndarray) -> np.ndarray:
+    def _without(self, inside: NDArray[np.bool_]) -> Array:
         """Predictions (k,) of the runs `inside` by a process fitted to the others."""
-        other = GaussianProcess(**self.get_params(deep=False))
+        other = type(self)(**self.get_params(deep=False))
         other.columns_, other.points_ = self.columns_, self.points_[~inside]
         other.standard_, other.scale_ = self.standard_[~inside], self.scale_
-        other._set(other._search(self.logs_[None], ROUGH))
+        logs = other._search(other.standard_[:, None], self.logs_[None], 1, 1, ROUGH)[0]
+        other._set(logs, other._factored(logs))
         points = self.points_[inside]
         return self.offset_ + self.scale_ * (
             other.trend_columns(points) @ other.trend_
-            + weighted_sum(points, other.points_, other.lengths_, other.state_.weights)
+            + weighted_sum(points, other.points_, other.lengths_, other.weights_)
         )
 
-    def _closed(self, folds: np.ndarray) -> np.ndarray:
-        """Block form of Dubrule 1983: the error of a fold B is (Q_BB)^-1 (Q y)_B."""
-        error = np.empty(len(folds))
-        for fold in np.unique(folds):
-            inside = np.flatnonzero(folds == fold)
-            block = self.state_.projected[np.ix_(inside, inside)]
-            error[inside] = np.linalg.solve(block, self.state_.weights[inside])
-        return self.offset_ + self.scale_ * (self.standard_ - error)
+    def _closed(self, folds: NDArray[np.intp]) -> Array:
+        errors = left_out_errors(self.factors_, self.weights_, folds)
+        return self.offset_ + self.scale_ * (self.standard_ - errors)
 
-    def posterior_draws(self, size: int, seed=None) -> list[paths.Draw]:
+    def posterior_draws(self, size: int, seed: int | None = None) -> list[paths.Draw]:
         """Functions that are as plausible as the mean, given the runs.
 
         Each offers `predict(X)` and `sobol_indices()`; see `surrogate.regressors.paths`.
@@ -266,18 +302,18 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         rules = anova.quadratures(self.space, self.n_features_in_, QUADRATURE)
         factors = [self.factor(j, nodes) for j, (nodes, _) in enumerate(rules)]
-        coefficients = self.scale_ * np.append(self.state_.weights, self.trend_)
+        coefficients = self.scale_ * np.append(self.weights_, self.trend_)
         weights = [w for _, w in rules]
         return anova.shifted(
             anova.sobol_indices(coefficients, factors, weights, groups), self.offset_
         )
 
-    def own_columns(self, parameter: int, nodes: np.ndarray) -> tuple[list[int], np.ndarray]:
+    def own_columns(self, parameter: int, nodes: Array) -> tuple[list[int], Array]:
         """Numbers of one parameter's columns, and their values (m, own) at its nodes (m,)."""
         own = [j for j, column in enumerate(self.columns_) if column.parameter == parameter]
         return own, np.column_stack([self.columns_[j].values(nodes) for j in own])
 
-    def factor(self, parameter: int, nodes: np.ndarray) -> np.ndarray:
+    def factor(self, parameter: int, nodes: Array) -> Array:
         """Part of each term (n kernels, then q trend terms) that depends on one parameter."""
         own, values = self.own_columns(parameter, nodes)
         kernels = correlation(self.points_[:, own], values, self.lengths_[own])
@@ -288,7 +324,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
                     trend[t] = values[:, k]
         return np.vstack([kernels, trend])
 
-    def portable(self) -> dict:
+    def portable(self) -> dict[str, Any]:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
         return {
@@ -298,9 +334,25 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             "scale": self.scale_,
             "lengths": self.lengths_.tolist(),
             "points": self.points_.tolist(),
-            "weights": self.state_.weights.tolist(),
+            "weights": self.weights_.tolist(),
             "trend": [
                 {"coefficient": float(c), "powers": [list(part) for part in term]}
                 for c, term in zip(self.trend_, self._trend_terms(), strict=True)
             ],
         }
+
+
+def _leading(models: list[GaussianProcess], share: float, least: int) -> int:
+    """How many outputs, in their order, hold this share of the variance of all."""
+    held = np.cumsum([model.scale_**2 for model in models])
+    return min(max(int(np.searchsorted(held, share * held[-1])) + 1, least), len(models))
+
+
+def _settled(models: list[GaussianProcess], places: Array) -> list[GaussianProcess]:
+    """Processes with their log lengths and log nuggets (k, c + 1); equal ones share factors."""
+    known: dict[bytes, Factored] = {}
+    for model, logs in zip(models, places, strict=True):
+        if (key := logs.tobytes()) not in known:
+            known[key] = model._factored(logs)
+        model._set(logs, known[key])
+    return models

@@ -18,7 +18,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy import linalg
 
 from surrogate.regressors import anova
 from surrogate.regressors.matern import correlation, weighted_sum
@@ -133,18 +132,17 @@ def draw(process, size: int, seed) -> Paths:
     Trend coefficients and process variance are drawn too; lengths and nugget are kept.
     """
     rng = np.random.default_rng(seed)
-    state, points = process.state_, process.points_
+    factors, points = process.factors_, process.points_
     freedom = process.interval_freedom
-    spread = np.sqrt(state.variance * freedom / rng.chisquare(freedom, size))
+    variance = factors.variance(process.standard_, process.weights_)
+    spread = np.sqrt(variance * freedom / rng.chisquare(freedom, size))
     eigenfunctions = _eigenfunctions(process)
     numbers, eigenvalues = _largest([of.eigenvalues for of in eigenfunctions])
     waves = np.sqrt(eigenvalues)[:, None] * spread * rng.standard_normal((len(numbers), size))
     noise = np.sqrt(process.nugget_) * spread * rng.standard_normal((len(points), size))
     at_runs = _terms(eigenfunctions, numbers, points) @ waves
     missed = process.standard_[:, None] - at_runs - noise
-    F, factor = process.trend_columns(points), (state.factor, True)
-    trend = state.gain @ (F.T @ linalg.cho_solve(factor, missed))
-    weights = linalg.cho_solve(factor, missed - F @ trend)
+    trend, weights = factors.trend(missed), factors.weights(missed)
     return Paths(process, eigenfunctions, numbers, waves, weights, trend)
 
 
