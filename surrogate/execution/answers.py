@@ -33,6 +33,7 @@ class Outcome(NamedTuple):
 
     `answered` is True when the solver itself decided (a result, or a `SolverError`, or a
     result that cannot be used): a deterministic solver would only decide the same again.
+    `lost` is True when the machine ended the attempt (no memory, a node that failed).
     """
 
     status: str
@@ -41,6 +42,7 @@ class Outcome(NamedTuple):
     outputs: Mapping[str, float] = {}
     fields: Mapping[str, NDArray[np.float64]] = {}
     answered: bool = True
+    lost: bool = False
 
 
 def evaluate(solver: Solver, call: Mapping[str, Any], wanted: Mapping[str, Output]) -> Outcome:

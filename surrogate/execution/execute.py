@@ -8,25 +8,28 @@ finished is in the journal, whenever and however the program ends.
 from __future__ import annotations
 
 import os
-import signal
-import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution.executors import ExecutorRuns
-from surrogate.execution.pool import Event, Pool, Task
+from surrogate.execution.handle import Task
+from surrogate.execution.pool import Pool
+from surrogate.execution.stopping import Stop, stop_on_signals
 from surrogate.runs.identity import SolverSpec, keys, run_inputs
 from surrogate.runs.journal import Journal, read
 from surrogate.runs.record import Record
 from surrogate.runs.stored import KnownRuns, StoredMatches
 from surrogate.solver import Output
+
+#: More attempts, by default, for a run that the machine lost: killed for memory, a node's end.
+LOST_AGAIN = 2
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,7 @@ class Progress:
     failed        of these, without an answer (failed or timed out)
     seconds_left  estimate from the runs of this time, and before from those of earlier times
     last          the run that just ended
+    finishing     runs under way that are waited for after Ctrl-C; None as long as runs start
     """
 
     total: int
@@ -47,6 +51,7 @@ class Progress:
     failed: int = 0
     seconds_left: float | None = None
     last: Record | None = None
+    finishing: int | None = None
 
 
 def execute(
@@ -75,8 +80,9 @@ def execute(
                None: as many as there are cores
     threads    of numerical libraries in each worker; None: cores / workers
     timeout    seconds that one run may take; None for any. A run that takes longer is killed
-    retries    more attempts for a run that crashed, hung or raised. An answer of a
-               deterministic solver, `SolverError` included, is not asked for again
+    retries    more attempts for a run that crashed, hung or raised, at least `LOST_AGAIN` for
+               one that the machine lost. An answer of a deterministic solver, `SolverError`
+               included, is not asked for again
     rerun      statuses of earlier runs to do again: "failed", "timed_out". Runs that timed
                out under a shorter limit than today's are done again in any case
     others     folders of other studies' journals; their good runs are copied, not repeated
@@ -85,7 +91,8 @@ def execute(
                up and its place in the executor stays taken
     progress   called with a `Progress` at the start and after each run
 
-    Raises KeyboardInterrupt after Ctrl-C or SIGTERM when all that was finished is kept;
+    A first Ctrl-C waits for the runs under way, a second one or SIGTERM stops at once. Raises
+    KeyboardInterrupt then, when all that was finished is kept;
     `ResultsError` when the journal is in use or the disk full; `StudyError` for wrong
     arguments; `PluginError` when workers cannot build the solver.
     """
@@ -94,25 +101,24 @@ def execute(
     asked = run_inputs(spec, columns, constants)
     runs = dict(zip(keys(spec, asked), asked, strict=True))
     with Journal(journal) as book:
-        known = KnownRuns(book.contents, given, wanted).records
+        known = KnownRuns(book.contents, given, tuple(wanted)).records
         missing = [key for key in runs if not _settled(known.get(key), wanted, timeout, rerun)]
         missing = _adopt(book, missing, wanted, others)
         queue = deque(Task(key, runs[key]) for key in missing)
         workers = min(workers or cores(), max(1, len(queue)))
         threads = threads or max(1, cores() // workers)
         tally = _Tally(Progress(len(runs)), workers, progress or (lambda _: None))
-        known = KnownRuns(book.contents, given, wanted).records
+        known = KnownRuns(book.contents, given, tuple(wanted)).records
         tally.start([known[key] for key in runs.keys() - set(missing)])
         if queue:
-            with _stop_on_signals() as stopping:
+            with stop_on_signals() as stop:
                 place = (
-                    Pool(spec, wanted, workers, threads, timeout)
+                    Pool(spec, wanted, workers, threads, timeout, retries)
                     if executor is None
                     else ExecutorRuns(executor, spec, wanted, workers, timeout)
                 )
-                with closing(place.results(queue, stopping)) as source:
-                    _record(source, queue, book, tally, spec, timeout, retries)
-                if stopping():
+                _record(place, stop, queue, book, tally, spec, timeout, retries)
+                if stop.finish:
                     raise KeyboardInterrupt(
                         f"stopped: {tally.now.done} of {tally.now.total} runs "
                         "are done and kept; run again to go on"
@@ -127,7 +133,13 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-def _check(workers, threads, timeout, retries, rerun) -> None:
+def _check(
+    workers: int | None,
+    threads: int | None,
+    timeout: float | None,
+    retries: int,
+    rerun: Iterable[str],
+) -> None:
     mistakes = [
         f"{name}: {value} must be 1 or more"
         for name, value in (("workers", workers), ("threads", threads))
@@ -183,7 +195,8 @@ def _adopt(
 
 
 def _record(
-    source: Iterator[Event],
+    place: Pool | ExecutorRuns,
+    stop: Stop,
     queue: deque[Task],
     book: Journal,
     tally: _Tally,
@@ -191,38 +204,42 @@ def _record(
     timeout: float | None,
     retries: int,
 ) -> None:
-    """Write what comes from `source` into the journal; put failed runs back while they may."""
+    """Write what `place` gives into the journal; put failed runs back while they may."""
     described = {
         "solver": spec.name,
         "version": str(spec.solver.version),
         "options": spec.plain_options,
     }
-    for event in source:
-        if event is None:
-            book.sync()
-            continue
-        task, outcome = event
-        task.attempts += 1
-        decided = outcome.answered and (spec.deterministic or outcome.status == "ok")
-        if outcome.status != "ok" and not decided and task.attempts <= retries:
-            queue.append(task)
-            continue
-        record = Record(
-            task.key,
-            task.call,
-            outcome.status,
-            outcome.message,
-            outcome.seconds,
-            task.attempts,
-            time.time(),
-            timeout,
-            outcome.outputs,
-            solver=described,
-        )
-        if spec.deterministic:
-            record = _with_earlier(record, book.records.get(task.key))
-        book.append(record, outcome.fields)
-        tally.add(record)
+    with closing(place.results(queue, stop)) as source:
+        for event in source:
+            if stop.finish and tally.now.finishing is None:
+                tally.finish(place.under_way)
+            if event is None:
+                book.sync()
+                continue
+            task, outcome = event
+            task.attempts += 1
+            decided = outcome.answered and (spec.deterministic or outcome.status == "ok")
+            allowed = max(retries, LOST_AGAIN) if outcome.lost else retries
+            if outcome.status != "ok" and not decided and task.attempts <= allowed:
+                queue.append(task)
+                continue
+            record = Record(
+                task.key,
+                task.call,
+                outcome.status,
+                outcome.message,
+                outcome.seconds,
+                task.attempts,
+                time.time(),
+                timeout,
+                outcome.outputs,
+                solver=described,
+            )
+            if spec.deterministic:
+                record = _with_earlier(record, book.records.get(task.key))
+            book.append(record, outcome.fields)
+            tally.add(record)
 
 
 def _with_earlier(record: Record, earlier: Record | None) -> Record:
@@ -259,6 +276,11 @@ class _Tally:
         )
         self._tell()
 
+    def finish(self, under_way: int) -> None:
+        """No more runs start; those under way are waited for."""
+        self.now = replace(self.now, finishing=under_way)
+        self._tell()
+
     def _tell(self) -> None:
         recent = self.seconds[-100:]
         mean = sum(recent) / len(recent) if recent else self.earlier
@@ -266,27 +288,3 @@ class _Tally:
         seconds = None if left and mean is None else left * (mean or 0.0) / self.workers
         self.now = replace(self.now, seconds_left=seconds)
         self.listener(self.now)
-
-
-@contextmanager
-def _stop_on_signals() -> Iterator[Callable[[], bool]]:
-    """A question that is True after Ctrl-C or SIGTERM; the second one interrupts at once.
-
-    Only the main thread can listen to signals; in others the question stays False.
-    """
-    caught: list[int] = []
-
-    def handle(number, frame) -> None:
-        if caught:
-            raise KeyboardInterrupt
-        caught.append(number)
-
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: False
-        return
-    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield lambda: bool(caught)
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -6,17 +6,19 @@ over time is given up, and the place that it occupies counts as lost.
 
 from __future__ import annotations
 
-import time
 import uuid
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 
 from surrogate.errors import SurrogateError
 from surrogate.execution.answers import Outcome
-from surrogate.execution.pool import TICK, Event, Task
+from surrogate.execution.clock import TICK, RunClock
+from surrogate.execution.handle import Task
+from surrogate.execution.pool import Event
+from surrogate.execution.stopping import Stop
 from surrogate.execution.workers import BuiltSolver
 from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Output
@@ -31,20 +33,29 @@ class ExecutorRuns:
     wanted: Mapping[str, Output]
     places: int
     timeout: float | None = None
-    going: dict[Future, Task] = field(default_factory=dict)
-    since: dict[Future, float] = field(default_factory=dict)
-    lost: list[Future] = field(default_factory=list)
+    going: dict[Future[Outcome], Task] = field(default_factory=dict)
+    since: dict[Future[Outcome], float] = field(default_factory=dict)
+    lost: list[Future[Outcome]] = field(default_factory=list)
+    clock: RunClock = field(default_factory=RunClock)
 
-    def results(self, queue: deque[Task], stopping: Callable[[], bool]) -> Iterator[Event]:
+    @property
+    def under_way(self) -> int:
+        """Runs that the executor has not given back."""
+        return len(self.going)
+
+    def results(self, queue: deque[Task], stop: Stop) -> Generator[Event, None, None]:
         """Like `surrogate.execution.pool.Pool.results`.
 
         Raises `SurrogateError` when the executor breaks or has no place left.
         """
-        finished: SimpleQueue[Future] = SimpleQueue()
+        finished: SimpleQueue[Future[Outcome]] = SimpleQueue()
         token = uuid.uuid4().hex
         try:
-            while not stopping() and (queue or self.going):
-                self._submit(queue, token, finished)
+            while not stop.now and (self.going or (queue and not stop.finish)):
+                if stop.finish:
+                    self._take_back(queue)
+                else:
+                    self._submit(queue, token, finished)
                 try:
                     future = finished.get(timeout=TICK)
                 except Empty:
@@ -60,11 +71,18 @@ class ExecutorRuns:
             for future in self.going:
                 future.cancel()
 
+    def _take_back(self, queue: deque[Task]) -> None:
+        """Runs that wait for a place in the executor wait in the queue instead."""
+        for future in [future for future in self.going if future.cancel()]:
+            queue.append(self.going.pop(future))
+
     @property
     def _stuck(self) -> int:
         return sum(not future.done() for future in self.lost)
 
-    def _submit(self, queue: deque[Task], token: str, finished: SimpleQueue[Future]) -> None:
+    def _submit(
+        self, queue: deque[Task], token: str, finished: SimpleQueue[Future[Outcome]]
+    ) -> None:
         while queue and len(self.going) + self._stuck < self.places:
             task = queue.popleft()
             future = self.executor.submit(
@@ -75,7 +93,7 @@ class ExecutorRuns:
                 task.call,
                 self.wanted,
             )
-            self.going[future], self.since[future] = task, time.monotonic()
+            self.going[future], self.since[future] = task, self.clock.now()
             future.add_done_callback(finished.put)
 
     def _check_places(self) -> None:
@@ -97,7 +115,7 @@ class ExecutorRuns:
     def _give_up_overdue(self) -> Iterator[Event]:
         if self.timeout is None:
             return
-        now, says_running = time.monotonic(), self._says_running
+        now, says_running = self.clock.now(), self._says_running
         for future, task in list(self.going.items()):
             if says_running and not future.running():
                 self.since[future] = now  # waits for a place, which costs it no time
@@ -116,7 +134,7 @@ class ExecutorRuns:
                 )
 
 
-def _outcome(future: Future) -> Outcome:
+def _outcome(future: Future[Outcome]) -> Outcome:
     try:
         return future.result()
     except (BrokenExecutor, CancelledError) as error:

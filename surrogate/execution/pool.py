@@ -6,81 +6,52 @@ It gets the next message when it asks for it, so the two never wait for each oth
 
 from __future__ import annotations
 
-import os
-import pickle
-import signal
-import tempfile
+import secrets
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
+from dataclasses import dataclass
+from itertools import count
+from multiprocessing.connection import wait
 from pathlib import Path
 
-from surrogate.errors import PluginError
+from surrogate.errors import PluginError, SurrogateError
+from surrogate.execution import guardian
 from surrogate.execution.answers import Outcome
+from surrogate.execution.channel import TOKEN_BYTES, Channel, Garbled
+from surrogate.execution.clock import TICK, RunClock
+from surrogate.execution.folder import owned_folder, worker_place
+from surrogate.execution.guardian import Guardian
+from surrogate.execution.handle import Task, WorkerHandle
 from surrogate.execution.spawning import parcel, start
-from surrogate.execution.workers import BATCH_SECONDS, work
-from surrogate.runs.identity import RunInputs, SolverSpec
+from surrogate.execution.stopping import Stop
+from surrogate.execution.workers import BATCH_SECONDS, Message, work
+from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Output
-
-#: Longest pause between two looks at the clock, in seconds.
-TICK = 0.2
 
 #: Most runs in one message: bounds what a message and a lost batch can hold.
 LARGEST_BATCH = 100
 
-#: Workers that may die in a row before they have built the solver.
+#: Workers that may end in a row before they have built the solver; `retries` come on top
+#: for those that are killed from outside.
 FALSE_STARTS = 3
 
+#: Least limit, in seconds, for starting a worker and building the solver where runs have one.
+BUILD_SECONDS = 60.0
 
-@dataclass
-class Task:
-    """A run to do: its key, the solver's arguments, and the attempts made so far."""
-
-    key: str
-    call: RunInputs
-    attempts: int = 0
-
+#: Seconds between two attempts to send what found no room in a pipe.
+FLUSH_SECONDS = 0.01
 
 Event = tuple[Task, Outcome] | None
-
-
-@dataclass
-class _Worker:
-    process: BaseProcess
-    connection: Connection
-    printed: Path
-    ready: bool = False
-    busy: bool = False
-    tasks: deque[Task] = field(default_factory=deque)
-    since: float = 0.0
-
-    def kill(self) -> None:
-        """End the worker and what it started."""
-        with suppress(ProcessLookupError, PermissionError):
-            if hasattr(os, "killpg"):
-                os.killpg(self.process.pid, signal.SIGKILL)
-        self.process.kill()
-        self.process.join()
-        self.connection.close()
-
-    def last_words(self) -> str:
-        """Last line that the worker printed, as the end of a sentence."""
-        with suppress(OSError):
-            lines = self.printed.read_text(errors="replace").strip().splitlines()
-            if lines:
-                return f"; it printed last: {lines[-1].strip()[:200]}"
-        return ""
 
 
 @dataclass
 class Pool:
     """`workers` processes that answer the tasks of a queue.
 
-    threads  for numerical libraries in each worker; timeout: seconds a run may take, or None
+    threads  for numerical libraries in each worker; timeout: seconds a run may take, or None.
+    retries  more attempts for a worker that is killed while it starts
     """
 
     spec: SolverSpec
@@ -88,52 +59,68 @@ class Pool:
     workers: int
     threads: int
     timeout: float | None = None
+    retries: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self._parcel = parcel(self.spec)
-        self._team: list[_Worker] = []
+        self._team: list[WorkerHandle] = []
         self._false_starts = 0
         self._mean_seconds: float | None = None
+        self._clock = RunClock()
+        self._numbers, self._places = count(1), count(1)
+        self._looked = 0.0
 
-    def results(self, queue: deque[Task], stopping: Callable[[], bool]) -> Iterator[Event]:
+    @property
+    def under_way(self) -> int:
+        """Workers that have runs."""
+        return sum(bool(worker.tasks) for worker in self._team)
+
+    def results(self, queue: deque[Task], stop: Stop) -> Generator[Event, None, None]:
         """Yield (task, outcome) as runs end, and None now and then when none does.
 
         Whoever consumes it may append tasks to the queue. It ends when the queue is empty
-        and no run goes on, or after `stopping()`: then finished runs are still yielded and
-        the others are given up. Raises `PluginError` when workers cannot build the solver.
+        and no run goes on, or as `stop` asks: then finished runs are still yielded and
+        the others are given up. Raises `PluginError` when workers cannot build the solver,
+        `SurrogateError` when they are killed from outside again and again.
         """
-        with tempfile.TemporaryDirectory(prefix="surrogate-") as folder:
+        with owned_folder() as folder:
+            self._guardian = Guardian(folder)
             try:
-                while not stopping() and (queue or any(w.tasks for w in self._team)):
-                    self._hire(Path(folder), queue)
-                    self._feed(queue)
+                while not stop.now and (self.under_way or (queue and not stop.finish)):
+                    if not stop.finish:
+                        self._hire(folder, queue)
+                        self._feed(queue)
                     yield from self._listen(queue)
                     yield from self._end_overdue(queue)
                     yield None
                 for worker in self._team:
-                    yield from self._drain(worker, queue)
+                    yield from self._hear(worker, queue)
             finally:
                 self._dismiss()
+                self._guardian.dismiss()
 
     def _hire(self, folder: Path, queue: deque[Task]) -> None:
-        needed = min(self.workers, len(queue) + sum(bool(w.tasks) for w in self._team))
+        needed = min(self.workers, len(queue) + self.under_way)
         while len(self._team) < needed:
-            self._team.append(self._start(folder))
-
-    def _start(self, folder: Path) -> _Worker:
-        number, printed = tempfile.mkstemp(dir=folder)
-        os.close(number)
-        process, connection = start(work, self._parcel, self.wanted, self.threads, printed)
-        return _Worker(process, connection, Path(printed))
+            place, token = (
+                worker_place(folder, next(self._places)),
+                secrets.token_bytes(TOKEN_BYTES),
+            )
+            process, connection = start(work, self._parcel, self.wanted, self.threads, place, token)
+            channel = Channel(connection, token, waits=False)
+            self._team.append(WorkerHandle(process, channel, place, self._clock.now()))
+            self._guardian.watch(self._team[-1].pid, place)
 
     def _feed(self, queue: deque[Task]) -> None:
         for worker in self._team:
             if queue and worker.ready and not worker.busy:
                 batch = [queue.popleft() for _ in range(self._batch_size(len(queue)))]
+                for task in batch:
+                    task.number = next(self._numbers)
                 worker.tasks.extend(batch)
-                worker.busy, worker.since = True, time.monotonic()
+                worker.busy, worker.since = True, self._clock.now()
                 with suppress(OSError):  # a worker that just died is found by _listen
-                    worker.connection.send([(i, task.call) for i, task in enumerate(batch)])
+                    worker.channel.send([(task.number, task.call) for task in batch])
 
     def _batch_size(self, waiting: int) -> int:
         """Runs that fill `BATCH_SECONDS`, at most a fair share of those that wait."""
@@ -144,127 +131,147 @@ class Pool:
         return max(1, min(int(fitting), share, LARGEST_BATCH))
 
     def _listen(self, queue: deque[Task]) -> Iterator[Event]:
-        pause = TICK
-        if self.timeout is not None:
-            ends = [w.since + self.timeout for w in self._team if w.tasks]
-            pause = max(0.0, min([TICK, *(end - time.monotonic() for end in ends)]))
-        heard = set(wait([w.connection for w in self._team], pause))
+        heard = set(wait([worker.channel.connection for worker in self._team], self._pause()))
         for worker in list(self._team):
-            alive = True
-            if worker.connection in heard:
-                alive, event = self._receive(worker, queue)
+            if worker.channel.connection in heard:
+                yield from self._hear(worker, queue)
+        # A process that a solver forked may hold the pipe of a worker that has ended.
+        moment = time.monotonic()
+        if moment - self._looked >= TICK:
+            self._looked = moment
+            for worker in list(self._team):
+                if worker.has_left():
+                    yield from self._hear(worker, queue)
+                    if worker in self._team:
+                        yield from self._bury(worker, queue)
+
+    def _pause(self) -> float:
+        """Seconds until something has to be done even when nobody says a word."""
+        pauses = [TICK]
+        for worker in self._team:
+            with suppress(OSError):
+                if not worker.channel.flush():
+                    pauses.append(FLUSH_SECONDS)
+        if self.timeout is not None:
+            now = self._clock.now()
+            pauses += [w.since + self.timeout - now for w in self._team if w.tasks]
+        return max(0.0, min(pauses))
+
+    def _hear(self, worker: WorkerHandle, queue: deque[Task]) -> Iterator[Event]:
+        """Runs that the worker tells of; takes it out when it ended or makes no sense."""
+        try:
+            for message in worker.channel.receive():
+                event = self._understood(message, worker, queue)
                 if event:
                     yield event
-            elif not heard:
-                alive = worker.process.is_alive()
-            if not alive:
-                yield from self._bury(worker, queue)
+        except Garbled as error:
+            yield from self._end(worker, queue, "failed", f"the worker {error}")
+            return
+        if worker.channel.closed:
+            yield from self._bury(worker, queue)
 
-    def _receive(self, worker: _Worker, queue: deque[Task]) -> tuple[bool, Event]:
-        """Whether the worker still talks, and the run that it tells of."""
-        try:
-            message = worker.connection.recv()
-        except (EOFError, OSError, pickle.UnpicklingError):
-            return False, None
-        if isinstance(message, str):
-            raise PluginError(
-                f"solver {self.spec.name} cannot be built in a worker process: {message}"
+    def _understood(self, message: Message, worker: WorkerHandle, queue: deque[Task]) -> Event:
+        process, number, said = message
+        if process != worker.pid:
+            raise Garbled(
+                f"was answered for by process {process}, a copy of it that the solver forked; "
+                "such a copy must end with os._exit()"
             )
-        if message is None:
+        if isinstance(said, str):
+            raise PluginError(
+                f"solver {self.spec.name} cannot be built in a worker process: {said}"
+            )
+        if said is None:
             if not worker.ready:
                 self._false_starts = 0
             worker.ready, worker.busy = True, False
             queue.extendleft(reversed(worker.tasks))
             worker.tasks.clear()
-            return True, None
-        task, outcome = worker.tasks.popleft(), message[1]
-        worker.since = time.monotonic()
+            return None
+        if not worker.tasks or number != worker.tasks[0].number:
+            raise Garbled("sent the answer of another run")
+        task = worker.tasks.popleft()
+        worker.since = self._clock.now()
         mean = self._mean_seconds
-        self._mean_seconds = outcome.seconds if mean is None else 0.9 * mean + 0.1 * outcome.seconds
-        return True, (task, outcome)
+        self._mean_seconds = said.seconds if mean is None else 0.9 * mean + 0.1 * said.seconds
+        return task, said
 
-    def _drain(self, worker: _Worker, queue: deque[Task]) -> Iterator[Event]:
-        """Runs that the worker finished and that still lie in its pipe."""
-        talks = True
-        while talks and worker.connection.poll():
-            talks, event = self._receive(worker, queue)
-            if event:
-                yield event
-
-    def _bury(self, worker: _Worker, queue: deque[Task]) -> Iterator[Event]:
-        """Take a dead worker out: the run that it was at failed, the others wait again."""
-        yield from self._drain(worker, queue)
-        self._team.remove(worker)
+    def _bury(self, worker: WorkerHandle, queue: deque[Task]) -> Iterator[Event]:
+        """Take a worker out that has ended: the run that it was at failed, the others wait."""
         worker.process.join(TICK)
-        reason = f"the worker {_cause(worker.process.exitcode)}{worker.last_words()}"
-        worker.kill()
-        if not worker.ready:
-            self._count_false_start(reason)
-        yield from self._lose_run(worker, queue, "failed", reason)
+        reason, lost = worker.cause()
+        yield from self._end(worker, queue, "failed", reason, lost)
 
-    def _count_false_start(self, reason: str) -> None:
-        """Go on with fewer workers where some work (memory for no more), else give up."""
-        self._false_starts += 1
-        if self._parcel.needs_main:
-            reason += (
-                ". It runs the script again to find the solver in it: put the script's own "
-                'calls below `if __name__ == "__main__":`'
-            )
-        elif self._false_starts < FALSE_STARTS:
-            return
-        working = sum(worker.ready for worker in self._team)
-        if not working:
-            raise PluginError(
-                f"solver {self.spec.name} cannot be built in a worker process: {reason}"
-            )
-        self.workers, self._false_starts = working, 0
-
-    def _end_overdue(self, queue: deque[Task]) -> Iterator[Event]:
-        if self.timeout is None:
-            return
-        for worker in list(self._team):
-            if worker.tasks and time.monotonic() - worker.since >= self.timeout:
-                head = worker.tasks[0]
-                yield from self._drain(worker, queue)
-                if worker.tasks and worker.tasks[0] is head:
-                    self._team.remove(worker)
-                    worker.kill()
-                    message = f"stopped after {self.timeout:g} s, the time limit of a run"
-                    yield from self._lose_run(
-                        worker, queue, "timed_out", message + worker.last_words()
-                    )
-
-    def _lose_run(
-        self, worker: _Worker, queue: deque[Task], status: str, message: str
+    def _end(
+        self,
+        worker: WorkerHandle,
+        queue: deque[Task],
+        status: str,
+        reason: str,
+        lost: bool = False,
     ) -> Iterator[Event]:
+        self._team.remove(worker)
+        worker.kill()
+        self._guardian.forget(worker.pid)
+        if not worker.ready:
+            self._count_false_start(reason, lost)
         if worker.tasks:
             task = worker.tasks.popleft()
             queue.extendleft(reversed(worker.tasks))
             worker.tasks.clear()
-            seconds = time.monotonic() - worker.since
-            yield task, Outcome(status, message, seconds, answered=False)
+            seconds = self._clock.now() - worker.since
+            yield task, Outcome(status, reason, seconds, answered=False, lost=lost)
+
+    def _count_false_start(self, reason: str, lost: bool) -> None:
+        """Go on with fewer workers where some work (memory for no more), else give up."""
+        self._false_starts += 1
+        if self._parcel.needs_main and not lost:
+            reason += (
+                ". It runs the script again to find the solver in it: put the script's own "
+                'calls below `if __name__ == "__main__":`'
+            )
+        elif self._false_starts < FALSE_STARTS + (self.retries if lost else 0):
+            return
+        working = sum(worker.ready for worker in self._team)
+        if working:
+            self.workers, self._false_starts = working, 0
+        elif lost:
+            raise SurrogateError(
+                f"{self._false_starts} workers in a row ended while they started: {reason}. "
+                "The runs finished so far are kept; run again to go on"
+            )
+        else:
+            raise PluginError(
+                f"solver {self.spec.name} cannot be built in a worker process: {reason}"
+            )
+
+    def _end_overdue(self, queue: deque[Task]) -> Iterator[Event]:
+        if self.timeout is None:
+            return
+        now, building = self._clock.now(), max(self.timeout, BUILD_SECONDS)
+        for worker in list(self._team):
+            if not worker.ready and now - worker.since >= building:
+                self._false_starts = FALSE_STARTS
+                reason = f"it was not ready after {building:g} s{worker.last_words()}"
+                yield from self._end(worker, queue, "failed", reason)
+            elif worker.tasks and now - worker.since >= self.timeout:
+                head = worker.tasks[0]
+                yield from self._hear(worker, queue)
+                if worker in self._team and worker.tasks and worker.tasks[0] is head:
+                    message = f"stopped after {self.timeout:g} s, the time limit of a run"
+                    message += worker.last_words()
+                    yield from self._end(worker, queue, "timed_out", message)
 
     def _dismiss(self) -> None:
         """End all workers; idle ones may leave by themselves first."""
-        for worker in self._team:
-            if worker.ready and not worker.busy:
-                with suppress(OSError):
-                    worker.connection.send(None)
+        known = guardian.tree({worker.pid: worker.place for worker in self._team})
+        idle = [worker for worker in self._team if worker.ready and not worker.busy]
+        for worker in idle:
+            with suppress(OSError):
+                worker.channel.send(None)
         end = time.monotonic() + 1.0
+        for worker in idle:
+            worker.process.join(max(0.0, end - time.monotonic()))
         for worker in self._team:
-            if worker.ready and not worker.busy:
-                worker.process.join(max(0.0, end - time.monotonic()))
-            worker.kill()
+            worker.kill(known)
         self._team.clear()
-
-
-def _cause(exitcode: int | None) -> str:
-    if exitcode is None:
-        return "closed its connection"
-    if exitcode >= 0:
-        return f"ended by itself with exit code {exitcode}"
-    with suppress(ValueError):
-        name = signal.Signals(-exitcode).name
-        hint = ", which the system sends when memory runs out" if name == "SIGKILL" else ""
-        return f"was killed by {name}{hint}"
-    return f"was killed by signal {-exitcode}"

@@ -23,10 +23,8 @@ from typing import Any
 from surrogate.errors import StudyError
 from surrogate.runs.identity import SolverSpec
 
-try:
+if sys.platform != "win32":
     from multiprocessing import resource_tracker
-except ImportError:  # Windows
-    resource_tracker = None
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ def _interrupts_held_back() -> Iterator[None]:
 
     It inherits the blocked signal; this process hears of a Ctrl-C a moment later.
     """
-    if not hasattr(signal, "pthread_sigmask"):
+    if sys.platform == "win32":
         yield
         return
     resource_tracker.ensure_running()  # else process.start does, and lets signals through

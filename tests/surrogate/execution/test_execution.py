@@ -512,7 +512,7 @@ def test_kill_9_of_the_parent_ends_programs_that_runs_started(tmp_path):
 
 
 def test_killed_workers_cost_their_run_only(tmp_path):
-    """Workers killed from outside at random times: a failed run each at most, all others good."""
+    """Workers killed from outside at random times: their runs are done again, all are good."""
     program, log, folder = start_program(tmp_path)
     killed = 0
     while program.poll() is None and killed < 3:
@@ -523,7 +523,6 @@ def test_killed_workers_cost_their_run_only(tmp_path):
         time.sleep(0.3)
     program.communicate(timeout=60)
     records = by_x(folder)
-    failed = [record.message for record in records.values() if record.status != "ok"]
-    assert len(records) == 60
-    assert 1 <= len(failed) <= killed
-    assert all("SIGKILL" in message for message in failed)
+    assert len(records) == 60 and killed
+    assert {record.status for record in records.values()} == {"ok"}
+    assert sum(record.attempts for record in records.values()) <= 60 + killed

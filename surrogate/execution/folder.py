@@ -1,0 +1,57 @@
+"""The temporary folder of a program's workers: owned by the program, gone with it.
+
+A program that is killed together with its guardian leaves its folder; the next one finds
+that nobody holds its lock, and removes it.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from surrogate.errors import ResultsError, SurrogateError
+from surrogate.runs.lock import release_lock, take_lock
+
+PREFIX, LOCK = "surrogate-", "owner"
+
+
+@contextmanager
+def owned_folder() -> Iterator[Path]:
+    """A new temporary folder, removed at the end; removes those of programs that were killed."""
+    _remove_abandoned()
+    try:
+        folder, lock = _create()
+    except OSError as error:
+        raise SurrogateError(
+            f"no temporary folder can be made in {tempfile.gettempdir()}: {error.strerror}; "
+            "make room, or set TMPDIR to another folder"
+        ) from error
+    try:
+        yield folder
+    finally:
+        release_lock(folder / LOCK, lock)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _create() -> tuple[Path, int]:
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=PREFIX))
+        with suppress(ResultsError):  # another start took it for abandoned, a moment ago
+            return folder, take_lock(folder / LOCK)
+
+
+def _remove_abandoned() -> None:
+    for lock in Path(tempfile.gettempdir()).glob(f"{PREFIX}*/{LOCK}"):
+        with suppress(ResultsError, OSError):
+            release_lock(lock, take_lock(lock))
+            shutil.rmtree(lock.parent, ignore_errors=True)
+
+
+def worker_place(folder: Path, number: int) -> Path:
+    """Temporary folder of a worker; what it prints goes to a file beside it."""
+    place = folder / str(number)
+    place.mkdir()
+    return place
