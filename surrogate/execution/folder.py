@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from surrogate.errors import ResultsError, SurrogateError
-from surrogate.runs.lock import release_lock, take_lock
+from surrogate.runs.lock import Lock
 
 PREFIX, LOCK = "surrogate-", "owner"
 
@@ -32,22 +32,22 @@ def owned_folder() -> Iterator[Path]:
     try:
         yield folder
     finally:
-        release_lock(folder / LOCK, lock)
+        lock.release()
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _create() -> tuple[Path, int]:
+def _create() -> tuple[Path, Lock]:
     while True:
         folder = Path(tempfile.mkdtemp(prefix=PREFIX))
         with suppress(ResultsError):  # another start took it for abandoned, a moment ago
-            return folder, take_lock(folder / LOCK)
+            return folder, Lock(folder / LOCK)
 
 
 def _remove_abandoned() -> None:
-    for lock in Path(tempfile.gettempdir()).glob(f"{PREFIX}*/{LOCK}"):
+    for path in Path(tempfile.gettempdir()).glob(f"{PREFIX}*/{LOCK}"):
         with suppress(ResultsError, OSError):
-            release_lock(lock, take_lock(lock))
-            shutil.rmtree(lock.parent, ignore_errors=True)
+            Lock(path).release()
+            shutil.rmtree(path.parent, ignore_errors=True)
 
 
 def worker_place(folder: Path, number: int) -> Path:
