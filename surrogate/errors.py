@@ -18,6 +18,19 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from dataclasses import dataclass
+
+#: Keys and indices that lead to a part of a study.
+KeyPath = tuple[str | int, ...]
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """A sentence about the part of a study at `path` (about its key when `on_key`)."""
+
+    path: KeyPath
+    sentence: str
+    on_key: bool = False
 
 
 class SurrogateError(Exception):
@@ -25,11 +38,16 @@ class SurrogateError(Exception):
 
 
 class StudyError(SurrogateError):
-    """One or more mistakes in a study; `mistakes` holds a sentence each."""
+    """One or more mistakes in a study; `mistakes` holds a sentence each.
 
-    def __init__(self, *mistakes: str):
-        super().__init__("\n".join(mistakes))
-        self.mistakes = mistakes
+    A `Mistake` in place of a sentence tells where it stands, below the part that was being
+    read: a solver's constructor tells by it in which of its options.
+    """
+
+    def __init__(self, *mistakes: str | Mistake):
+        self.placed = tuple(m if isinstance(m, Mistake) else Mistake((), m) for m in mistakes)
+        self.mistakes = tuple(mistake.sentence for mistake in self.placed)
+        super().__init__("\n".join(self.mistakes))
 
 
 class PluginError(SurrogateError):

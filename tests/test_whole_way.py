@@ -15,7 +15,7 @@ import xarray as xr
 import yaml
 
 from surrogate import Study
-from surrogate.study import file as studyfile
+from surrogate.study.schema import json_schema
 from surrogate.study.source import read_text
 
 ROOT = Path(__file__).parent.parent
@@ -181,7 +181,7 @@ def test_a_study_ships_with_its_runs_and_is_validated(place):
     (place / "cases.csv").write_text("a,b,y\n0.5,1,3.1\n0.2,0.4,1.5\n0.9,0.1,2.9\n2,1,6\n")
     more = "stored: runs/small.nc\nvalidation: {cases: cases.csv, models: {same: 'my_solver:Slow'}}"
     (place / "small.yaml").write_text(SMALL + more)
-    jsonschema.validate(yaml.safe_load(SMALL + more), studyfile.json_schema())
+    jsonschema.validate(yaml.safe_load(SMALL + more), json_schema())
     away = ("--results", "away")
     assert (
         "all 32 are stored (32 in runs/small.nc)"
@@ -345,7 +345,7 @@ def test_shipped_studies_are_sound_and_fit_the_schema(path):
     study = Study.from_yaml(path)
     assert study.name == path.stem
     jsonschema.validate(
-        json.loads(json.dumps(read_text(path.read_text(), "s").data)), studyfile.json_schema()
+        json.loads(json.dumps(read_text(path.read_text(), "s").data)), json_schema()
     )
 
 

@@ -4,48 +4,23 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from rich.console import Console
 from rich.table import Table
 
+from surrogate.cli.page import Page, table
 from surrogate.cli.progress import duration
 from surrogate.cli.results import Outcome, figures_of
 from surrogate.cli.results import store as store_runs
 from surrogate.cli.results import validate as validate_with
 from surrogate.execution.fresh import interrupted
 from surrogate.runs import dataset as rundata
-from surrogate.study import plugins, prediction
+from surrogate.study import prediction
 from surrogate.study.study import Study
-
-
-@dataclass(frozen=True)
-class Page:
-    """People's text for the terminal, and the same as data for `--json`."""
-
-    data: Any
-    parts: Sequence[Any] = field(default=())
-
-    def show(self, console: Console) -> None:
-        """Print the text, nothing cut off where lines can wrap."""
-        for part in self.parts:
-            console.print(part, highlight=False, markup=False, soft_wrap=isinstance(part, str))
-
-
-def table(title: str, headings: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
-    """A table with numbers aligned to the right."""
-    made = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    for j, heading in enumerate(headings):
-        numeric = bool(rows) and all(isinstance(row[j], int | float) for row in rows)
-        made.add_column(heading, justify="right" if numeric else "left", overflow="fold")
-    for row in rows:
-        made.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row))
-    return made
 
 
 def check(study: Study, results: Path) -> Page:
@@ -362,15 +337,3 @@ def predict(
         )
     )
     return Page(found.rows, parts)
-
-
-def plugins_page() -> Page:
-    """Every installed plug-in with the first line of its documentation."""
-    data = {
-        group.rsplit(".", 1)[-1]: {
-            name: plugins.summary(point) for name, point in plugins.available(group).items()
-        }
-        for group in plugins.NOUNS
-    }
-    parts = [table(kind, ("name", "what it is"), list(rows.items())) for kind, rows in data.items()]
-    return Page(data, [part for made in parts for part in (made, "")])

@@ -1,4 +1,7 @@
-"""The command `surrogate`: verbs only, each calls one function.
+"""The command `surrogate`: verbs only, each imports what it needs and calls one function.
+
+`--help` and the small verbs answer at once: NumPy, SciPy and xarray are loaded by the
+verbs that compute.
 
 Exit status: 0 done; 1 ran, but something failed; 2 the input is wrong; 130 interrupted.
 """
@@ -10,19 +13,17 @@ import sys
 import traceback
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
-from rich.console import Console
 from typer.core import TyperGroup
 
-from surrogate import __version__
-from surrogate.cli import results, terminal
-from surrogate.cli.progress import RunsBar
 from surrogate.errors import DesignError, PluginError, StudyError, SurrogateError
-from surrogate.study import file as studyfile
-from surrogate.study import template as starting
-from surrogate.study.study import Study
+
+if TYPE_CHECKING:
+    from surrogate.cli.page import Page
+    from surrogate.cli.results import Outcome
+    from surrogate.study.study import Study
 
 
 class _Verbs(TyperGroup):
@@ -39,7 +40,6 @@ app = typer.Typer(
     cls=_Verbs,
     add_completion=False,
     pretty_exceptions_enable=False,
-    no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Designs of experiments, surrogates and sensitivity analysis of expensive simulations.",
 )
@@ -59,6 +59,8 @@ def _whole(
     version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
 ) -> None:
     if version:
+        from surrogate import __version__
+
         print(__version__)
         raise typer.Exit()
 
@@ -68,14 +70,22 @@ def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new study.")],
 ) -> None:
     """Write NAME.yaml: a commented study to start from."""
-    path = starting.write(name)
+    from surrogate.study import template
+
+    path = template.write(name)
     print(f"{path} is written; next: surrogate check {path}")
 
 
 @app.command()
 def check(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
-    """Show parameters, designs, aliasing, number of runs and time. Runs nothing."""
-    loaded = Study.from_yaml(study)
+    """Show parameters, designs, aliasing, number of runs and time. Runs nothing.
+
+    A study is code: reading it loads and builds the solver that it names, and loads the
+    modules beside it. Check only studies of people you trust.
+    """
+    from surrogate.cli import results, terminal
+
+    loaded = _read(study)
     _show(terminal.check(loaded, results.folder_of(loaded, results_dir)), as_json)
 
 
@@ -93,7 +103,10 @@ def run(
     ] = False,
 ) -> None:
     """Do what is missing: runs, fits, indices, report. Ctrl-C is safe."""
-    loaded = Study.from_yaml(study)
+    from surrogate.cli import results
+    from surrogate.cli.progress import RunsBar
+
+    loaded = _read(study)
     folder = results.folder_of(loaded, results_dir)
     for sentence in () if fresh else [*loaded.unused, *loaded.damaged(folder)]:
         print(sentence, file=sys.stderr)
@@ -112,14 +125,18 @@ def run(
 @app.command()
 def status(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
     """Count the runs that are done, failed and left; show the time left."""
-    loaded = Study.from_yaml(study)
+    from surrogate.cli import results, terminal
+
+    loaded = _read(study)
     _show(terminal.status(loaded, results.folder_of(loaded, results_dir)), as_json)
 
 
 @app.command()
 def report(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
     """Rebuild the report from the stored runs. Runs nothing."""
-    loaded = Study.from_yaml(study)
+    from surrogate.cli import results
+
+    loaded = _read(study)
     outcome = results.analyse(loaded, results.folder_of(loaded, results_dir), again=True)
     _finish(loaded, outcome, as_json)
 
@@ -141,7 +158,9 @@ def predict(
     as_json: AsJson = False,
 ) -> None:
     """Predict outputs at new points, with intervals. Runs nothing."""
-    loaded = Study.from_yaml(study)
+    from surrogate.cli import results, terminal
+
+    loaded = _read(study)
     _show(
         terminal.predict(
             loaded, results.folder_of(loaded, results_dir), surrogate, at or [], points
@@ -161,7 +180,9 @@ def validate(
     ] = None,
 ) -> None:
     """Compare surrogates and other models with reference cases. Runs no solver of the study."""
-    loaded = Study.from_yaml(study)
+    from surrogate.cli import results, terminal
+
+    loaded = _read(study)
     _show(terminal.validate(loaded, results.folder_of(loaded, results_dir), cases), as_json)
 
 
@@ -175,38 +196,61 @@ def store(
     ] = None,
 ) -> None:
     """Write the finished runs into a small file that ships with the study."""
-    loaded = Study.from_yaml(study)
+    from surrogate.cli import results, terminal
+
+    loaded = _read(study)
     _show(terminal.store(loaded, results.folder_of(loaded, results_dir), to), as_json)
 
 
 @app.command("list")
 def list_plugins(as_json: AsJson = False) -> None:
     """List solvers, designs, regressors and sensitivity methods, one line each."""
-    _show(terminal.plugins_page(), as_json)
+    from surrogate.cli.plugins import plugins
+
+    _show(plugins(), as_json)
 
 
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of the study file."""
-    print(json.dumps(studyfile.json_schema(), indent=2))
+    from surrogate.study.schema import json_schema
+
+    print(json.dumps(json_schema(), indent=2))
 
 
-def _finish(study: Study, outcome: results.Outcome, as_json: bool) -> None:
+def _read(path: Path) -> Study:
+    from surrogate.study.study import Study
+
+    return Study.from_yaml(path)
+
+
+def _finish(study: Study, outcome: Outcome, as_json: bool) -> None:
+    from surrogate.cli import terminal
+
     _show(terminal.outcome(study, outcome), as_json)
     if outcome.trouble:
         print(outcome.trouble, file=sys.stderr)
         raise typer.Exit(1)
 
 
-def _show(page: terminal.Page, as_json: bool) -> None:
+def _show(page: Page, as_json: bool) -> None:
     if as_json:
-        print(json.dumps(results.json_data(page.data), indent=1, default=str, allow_nan=False))
+        from surrogate.cli.results import json_data
+
+        print(json.dumps(json_data(page.data), indent=1, default=str, allow_nan=False))
     else:
+        from rich.console import Console
+
         page.show(Console())
 
 
 def main() -> None:
     """Run the command; people's mistakes end in sentences, never in a traceback."""
+    if sys.argv[1:] in ([], ["-h"], ["--help"]):
+        from surrogate.cli.overview import overview
+
+        print(overview())
+        return
     try:
         app()
     except (StudyError, DesignError, PluginError) as error:
@@ -224,6 +268,6 @@ def main() -> None:
         )
 
 
-def _stop(why: object, status: int) -> None:
+def _stop(why: object, status: int) -> NoReturn:
     print(why, file=sys.stderr)
     sys.exit(status)

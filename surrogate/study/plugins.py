@@ -8,20 +8,13 @@ no edit here.
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Mapping
-from difflib import get_close_matches
+from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
-from inspect import Parameter, getdoc
 from pathlib import Path
 from typing import Any
 
-from pydantic import ConfigDict, PydanticSchemaGenerationError, ValidationError, create_model
-from typing_extensions import get_type_hints
-
 from surrogate.errors import PluginError, SurrogateError, nearest
-from surrogate.execution.answers import describe
-from surrogate.study.solver_factory import imported, is_built, parameters_of
+from surrogate.study.solver_factory import imported
 
 SOLVERS = "surrogate.solvers"
 DESIGNS = "surrogate.designs"
@@ -75,78 +68,6 @@ def call(what: str, function: Callable[..., Any], *given: Any, **options: Any) -
     except SurrogateError:
         raise
     except Exception as error:
+        from surrogate.execution.answers import describe  # NumPy: `surrogate list` needs none
+
         raise PluginError(f"{what}: {describe(error)}") from error
-
-
-def option_mistakes(
-    function: Any, options: Mapping[str, Any], given: tuple[str, ...] = ()
-) -> list[tuple[str, str]]:
-    """What is wrong with `options` for a plug-in's signature: (option, sentence) pairs.
-
-    given: parameters that the framework fills in itself. Values are checked
-    against the annotations where the plug-in has any.
-    """
-    if is_built(function):
-        return [
-            (name, f"option '{name}' is not taken: this solver is an object, not a class")
-            for name in options
-        ]
-    taken = {name: p for name, p in parameters_of(function).items() if name not in given}
-    if any(p.kind is Parameter.VAR_KEYWORD for p in taken.values()):
-        return []
-    unknown = [name for name in options if name not in taken]
-    mistakes = [(name, f"option '{name}' is unknown; {nearest(name, taken)}") for name in unknown]
-    misspelt = {match for name in unknown for match in get_close_matches(name, taken, n=1)}
-    mistakes += [
-        ("", f"option '{name}' is needed")
-        for name, p in taken.items()
-        if p.default is Parameter.empty and name not in options and name not in misspelt
-    ]
-    if "seed" in taken and options.get("seed", 0) is None:
-        mistakes.append(
-            (
-                "seed",
-                "option 'seed' is empty: give a whole number, or leave it out; a "
-                "study gives the same numbers each time",
-            )
-        )
-    known = {name: value for name, value in options.items() if name in taken}
-    return mistakes + _value_mistakes(function, taken, known)
-
-
-def _value_mistakes(function, taken, options) -> list[tuple[str, str]]:
-    target = function.__init__ if isinstance(function, type) else function
-    try:
-        hints = get_type_hints(target)
-        model = create_model(
-            "Options",
-            __config__=ConfigDict(arbitrary_types_allowed=True),
-            **{name: (hints.get(name, Any), None) for name in taken if name in options},
-        )
-        model.model_validate(dict(options))
-    except ValidationError as error:
-        return [
-            (
-                str(item["loc"][0]),
-                f"option '{item['loc'][0]}': {options[item['loc'][0]]!r} "
-                f"is not accepted: {item['msg'].lower()}",
-            )
-            for item in error.errors()
-        ]
-    except (NameError, TypeError, PydanticSchemaGenerationError):
-        return []  # annotations that cannot be read are no reason to refuse the options
-    return []
-
-
-def summary(point: EntryPoint) -> str:
-    """What a plug-in is, in its documentation's first line, or why it does not load.
-
-    A function alone in a module of its name is described where the module begins.
-    """
-    try:
-        found = point.load()
-    except Exception as error:
-        return f"does not load: {type(error).__name__}: {error}"
-    alone = found.__module__.endswith(f".{getattr(found, '__name__', '')}")
-    described = sys.modules[found.__module__] if alone else found
-    return (getdoc(described) or "").strip().split("\n")[0]

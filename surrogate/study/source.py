@@ -6,17 +6,22 @@ Numbers and booleans follow YAML 1.2 (`1e-3` is a number; `on` and `no` are word
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-from surrogate.errors import StudyError
+from surrogate.errors import KeyPath, StudyError
 
-Key = str | int
 Position = tuple[int, int]
+
+#: Characters, values and depth beyond which a study is refused: aliases of aliases would grow
+#: without end.
+LONGEST = 2_000_000
+LARGEST = 100_000
+DEEPEST = 50
 
 
 class _Loader(yaml.SafeLoader):
@@ -56,10 +61,10 @@ class Source:
     name: str = ""
     text: str = ""
     data: Any = None
-    keys: dict[tuple[Key, ...], Position] = field(default_factory=dict)
-    values: dict[tuple[Key, ...], Position] = field(default_factory=dict)
+    keys: dict[KeyPath, Position] = field(default_factory=dict)
+    values: dict[KeyPath, Position] = field(default_factory=dict)
 
-    def locate(self, path: Sequence[Key], *, key: bool = False) -> Position:
+    def locate(self, path: KeyPath, *, key: bool = False) -> Position:
         """Position of the value (or key) at `path`, or of the nearest part around it."""
         path = tuple(path)
         if key and path in self.keys:
@@ -70,7 +75,7 @@ class Source:
             path = short if len(path) > 1 and short in self.values else path[:-1]
         return self.values.get(path, (1, 1))
 
-    def sentence(self, path: Sequence[Key], text: str, *, key: bool = False) -> str:
+    def sentence(self, path: KeyPath, text: str, *, key: bool = False) -> str:
         """`file:line:column: text`, or `path: text` for a study without a file."""
         if not self.name:
             return f"{'.'.join(map(str, path)) or 'study'}: {text}"
@@ -91,12 +96,17 @@ def read_file(path: Path) -> Source:
 
 def read_text(text: str, name: str) -> Source:
     """Source of YAML `text`; `StudyError` with line and column when it is not YAML."""
+    if len(text) > LONGEST:
+        raise StudyError(
+            f"{name}: the study has {len(text)} characters; at most {LONGEST} are read. "
+            "Put points into a CSV file (method: csv)"
+        )
     try:
         loader = _Loader(text)
         try:
             node = loader.get_single_node()
             source = Source(name, text, None)
-            mistakes = _mark(node, (), source) if node is not None else []
+            mistakes = _mark(node, (), source, loader) if node is not None else []
             if mistakes:
                 raise StudyError(*mistakes)
             data = loader.construct_document(node) if node is not None else None
@@ -122,26 +132,44 @@ def _yaml_sentence(error: yaml.YAMLError, name: str) -> str:
     return f"{place}: this is not YAML: {problem}{hint}"
 
 
-def _mark(node: yaml.Node, path: tuple[Key, ...], source: Source) -> list[str]:
+def _mark(node: yaml.Node, path: KeyPath, source: Source, loader: _Loader) -> list[str]:
     """Fill in positions below `node`; returns a sentence for each key that stands twice."""
-    source.values[path] = (node.start_mark.line + 1, node.start_mark.column + 1)
+    source.values[path] = _position(node)
+    if len(path) > DEEPEST:
+        raise RecursionError
+    if len(source.values) > LARGEST:
+        line, column = _position(node)
+        raise StudyError(
+            f"{source.name}:{line}:{column}: the study has more than {LARGEST} values, counted "
+            "anew wherever an alias stands for them"
+        )
     mistakes: list[str] = []
     if isinstance(node, yaml.SequenceNode):
         for index, item in enumerate(node.value):
-            mistakes += _mark(item, (*path, index), source)
+            mistakes += _mark(item, (*path, index), source, loader)
     elif isinstance(node, yaml.MappingNode):
         for key, item in node.value:
-            here = (*path, str(key.value))
-            position = (key.start_mark.line + 1, key.start_mark.column + 1)
+            here = (*path, _as_text(key, loader))
+            line, column = _position(key)
             if here in source.keys:
-                first = source.keys[here][0]
                 mistakes.append(
-                    f"{source.name}:{position[0]}:{position[1]}: "
-                    f"'{key.value}' stands twice (first in line {first}); keep one"
+                    f"{source.name}:{line}:{column}: '{here[-1]}' stands twice "
+                    f"(first in line {source.keys[here][0]}); keep one"
                 )
-            source.keys[here] = position
-            mistakes += _mark(item, here, source)
+            source.keys[here] = (line, column)
+            mistakes += _mark(item, here, source, loader)
     return mistakes
+
+
+def _as_text(key: yaml.Node, loader: _Loader) -> str:
+    """A key as the data have it, written as a text: null is None and 01 is 1."""
+    if key.tag == "tag:yaml.org,2002:merge":
+        return "<<"
+    return str(loader.construct_object(key, deep=True))  # type: ignore[no-untyped-call]
+
+
+def _position(node: yaml.Node) -> Position:
+    return node.start_mark.line + 1, node.start_mark.column + 1
 
 
 class _Dumper(yaml.SafeDumper):

@@ -32,7 +32,7 @@ from surrogate.solver import Output
 from surrogate.space.space import Space
 from surrogate.study import file as studyfile
 from surrogate.study import reading
-from surrogate.study.file import ExecutionPart, ScreeningPart
+from surrogate.study.parts import ExecutionPart, ScreeningPart
 from surrogate.study.plugins import call
 from surrogate.study.reading import Reading, SensitivityMethod, Surrogate
 from surrogate.study.solver_factory import parameters_of

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from surrogate.designs.design import Design
-from surrogate.errors import PluginError
+from surrogate.errors import KeyPath, PluginError
 from surrogate.space.space import Space
-from surrogate.study import file as studyfile
 from surrogate.study import plugins
-from surrogate.study.file import DesignPart
+from surrogate.study.options import option_mistakes
+from surrogate.study.parts import DesignPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.solver_factory import parameters_of
 
@@ -46,7 +46,7 @@ def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) 
     ]
     if space is None or first is None or None in more:
         return None
-    with reading.noting(*path):
+    with reading.mistakes_at(*path):
         coded = _points(part.method, space, first, space)
         added = []
         for addition, method in zip(part.augment, more, strict=True):
@@ -69,16 +69,16 @@ def _points(name: str, space: Space, method: Callable[..., Any], *given: Any) ->
     return coded
 
 
-def _method(reading: Reading, group: str, part, path: studyfile.Path):
+def _method(reading: Reading, group: str, part, path: KeyPath):
     """The plug-in of a design with its options filled in; None when they are wrong.
 
     A seed that the study leaves open follows from the design's name, so that train and
     test are not the same points.
     """
-    with reading.noting(*path, "method"):
+    with reading.mistakes_at(*path, "method"):
         function = plugins.load(group, part.method, reading.folder)
-        mistakes = plugins.option_mistakes(function, part.options, GIVEN_TO_DESIGNS)
-        reading.options_wrong(mistakes, *path)
+        mistakes = option_mistakes(function, part.options, GIVEN_TO_DESIGNS)
+        reading.add(mistakes, *path)
         if mistakes:
             return None
         if not callable(function):

@@ -14,7 +14,8 @@ from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
 from surrogate.space.space import Space
 from surrogate.study import plugins
-from surrogate.study.file import SurrogatePart
+from surrogate.study.options import option_mistakes
+from surrogate.study.parts import SurrogatePart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.solver_factory import parameters_of
 
@@ -60,10 +61,10 @@ def surrogates_of(
 
 def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | None:
     path = ("surrogates", name)
-    with reading.noting(*path, "method"):
+    with reading.mistakes_at(*path, "method"):
         factory = plugins.load(plugins.REGRESSORS, part.method, reading.folder)
-        mistakes = plugins.option_mistakes(factory, part.options, GIVEN_TO_REGRESSORS)
-        reading.options_wrong(mistakes, *path, "options")
+        mistakes = option_mistakes(factory, part.options, GIVEN_TO_REGRESSORS)
+        reading.add(mistakes, *path, "options")
         if mistakes:
             return None
         estimator = plugins.call(f"'{part.method}' cannot be built", factory, **part.options)
@@ -130,11 +131,9 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
             "sensitivity",
             "surrogate",
         )
-    with reading.noting("sensitivity", "method"):
+    with reading.mistakes_at("sensitivity", "method"):
         function = plugins.load(plugins.SENSITIVITY, part.method, reading.folder)
-        reading.options_wrong(
-            plugins.option_mistakes(function, part.options, GIVEN_TO_SENSITIVITY), "sensitivity"
-        )
+        reading.add(option_mistakes(function, part.options, GIVEN_TO_SENSITIVITY), "sensitivity")
         if (
             space is not None
             and not space.independent

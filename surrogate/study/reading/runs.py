@@ -13,6 +13,6 @@ def stored_of(reading: Reading) -> tuple[StoredRuns, ...]:
     """The files under `stored:`, read whole."""
     found = []
     for index, name in enumerate(reading.part.stored):
-        with reading.noting("stored", index):
+        with reading.mistakes_at("stored", index):
             found.append(stored.load((reading.folder or Path()) / name, name))
     return tuple(found)

@@ -14,9 +14,9 @@ from surrogate.solver import Input, Output, Solver
 from surrogate.space import laws, units
 from surrogate.space.distributions import UNBOUNDED, distribution
 from surrogate.space.space import Parameter, Space
-from surrogate.study import file as studyfile
 from surrogate.study import plugins
-from surrogate.study.file import ParameterPart, SolverPart
+from surrogate.study.options import option_mistakes
+from surrogate.study.parts import ConstantPart, ParameterPart, SolverPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.solver_factory import SolverFactory
 
@@ -32,17 +32,17 @@ def solver_of(
     spec = SolverSpec(part.name, SolverFactory(part.name, reading.folder), part.options)
     if reading.is_broken(*path):
         return spec, None
-    with reading.noting(*path, "name"):
+    with reading.mistakes_at(*path, "name"):
         found = plugins.load(plugins.SOLVERS, part.name, reading.folder)
         path_of_found = plugins.path_of(plugins.SOLVERS, part.name)
         spec = replace(spec, build=SolverFactory(path_of_found, reading.folder))
-        mistakes = plugins.option_mistakes(found, part.options, GIVEN_TO_SOLVERS)
-        reading.options_wrong(mistakes, *path, "options")
+        mistakes = option_mistakes(found, part.options, GIVEN_TO_SOLVERS)
+        reading.add(mistakes, *path, "options")
         solver = None if mistakes else _built(spec, reading, path)
         if solver is not None:
             return spec, solver
         # Options that are right, or none, may build a solver to check the rest of the study with.
-        wrong = {option for option, _ in mistakes}
+        wrong = {mistake.path[0] for mistake in mistakes if mistake.path}
         sound = {name: value for name, value in part.options.items() if name not in wrong}
         aside = replace(reading, mistakes=[])
         for options in (sound, {}) if mistakes else ({},):
@@ -53,7 +53,7 @@ def solver_of(
 
 
 def _built(spec: SolverSpec, reading: Reading, path: tuple[str, ...]) -> Solver | None:
-    with reading.noting(*path, "options"):
+    with reading.mistakes_at(*path, "options"):
         solver = plugins.call(f"solver '{spec.name}' cannot be built", lambda: spec.solver)
         if isinstance(solver, Solver):
             described = (("inputs", solver.inputs, Input), ("outputs", solver.outputs, Output))
@@ -88,7 +88,7 @@ def space_of(reading: Reading, solver: Solver) -> Space | None:
                 on_key=True,
             )
             continue
-        with reading.noting("parameters", name):
+        with reading.mistakes_at("parameters", name):
             parameters.append(_parameter(name, part, solver.inputs[name]))
     declared = len(reading.part.parameters)
     if (
@@ -99,7 +99,7 @@ def space_of(reading: Reading, solver: Solver) -> Space | None:
         reading.wrong("name at least one parameter that varies", "parameters")
     if len(parameters) < declared or not parameters:
         return None
-    with reading.noting("correlation"):
+    with reading.mistakes_at("correlation"):
         return Space(tuple(parameters), _correlation(reading, [p.name for p in parameters]))
     return None
 
@@ -227,7 +227,7 @@ def constants_of(reading: Reading, solver: Solver) -> dict[str, float | str]:
                 on_key=True,
             )
         else:
-            with reading.noting("constants", name):
+            with reading.mistakes_at("constants", name):
                 constants[name] = _constant(part, solver.inputs[name])
     given = {
         *reading.part.parameters,
@@ -245,7 +245,7 @@ def constants_of(reading: Reading, solver: Solver) -> dict[str, float | str]:
     return constants
 
 
-def _constant(part: studyfile.ConstantPart, taken: Input) -> float | str:
+def _constant(part: ConstantPart, taken: Input) -> float | str:
     if taken.levels:
         if part.value not in taken.levels:
             raise StudyError(

@@ -49,7 +49,7 @@ def validation_of(
     offered = {name: solver.outputs[name] for name in kept if name in solver.outputs}
     outputs = _outputs(reading, offered)
     cases = reference = None
-    with reading.noting("validation", "cases"):
+    with reading.mistakes_at("validation", "cases"):
         found = cases_at((reading.folder or Path()) / part.cases, part.cases, study_at)
         if isinstance(found, Cases):
             cases = found.in_units({**solver.inputs, **solver.outputs})
@@ -160,7 +160,7 @@ def _check_models(
                 f"{', '.join(solver.outputs)}",
                 *path,
             )
-        with reading.noting(*path):
+        with reading.mistakes_at(*path):
             cases.inputs(solver.inputs)
             given = {*cases.columns, *constants_for(spec, fixed, cases.columns)}
             missing = [

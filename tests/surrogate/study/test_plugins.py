@@ -9,6 +9,7 @@ import pytest
 
 from surrogate.errors import PluginError, StudyError
 from surrogate.study import plugins
+from surrogate.study.options import option_mistakes
 from surrogate.study.study import Study
 
 MODULE = '''
@@ -141,7 +142,7 @@ class Unbuildable:
     [
         (
             "raises",
-            r"'test_plugins:raises' fails: KeyError: 'no idea of 3' \(test_plugins.py, line",
+            r"test_plugins:raises' fails: KeyError: 'no idea of 3' \(test_plugins.py, line",
         ),
         ("gives_nothing", r"gave an array of shape \(\); it must give coded points \(run, 3\)"),
         ("gives_too_many_columns", r"gave an array of shape \(9, 4\)"),
@@ -203,7 +204,7 @@ def test_options_are_checked_against_the_signature():
         return space, runs, seed
 
     def problems(**options):
-        return [sentence for _, sentence in plugins.option_mistakes(method, options, ("space",))]
+        return [one.sentence for one in option_mistakes(method, options, ("space",))]
 
     assert problems(runs=3) == []
     assert problems(rnus=3) == [

@@ -1,0 +1,214 @@
+"""The parts of a study file: which keys each has and what kind of value each takes.
+
+Whether names exist, units convert and ranges hold is decided in
+`surrogate.study.reading`, where names become objects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    model_validator,
+)
+
+from surrogate.errors import StudyError
+
+Number = Annotated[float, Field(strict=False, allow_inf_nan=False)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
+
+
+def _seconds(value: Any) -> float | None:
+    from surrogate.space import units  # pint: not for those who only want the schema
+
+    try:
+        return None if value is None else units.seconds(value)
+    except StudyError as error:
+        raise ValueError(str(error)) from None
+
+
+Duration = Annotated[
+    float | None, BeforeValidator(_seconds, json_schema_input_type=str | float), Field(gt=0)
+]
+
+
+def _listed(value: Any) -> Any:
+    return (value,) if isinstance(value, str) else value
+
+
+#: One text, or a list of them.
+Texts = Annotated[
+    tuple[str, ...], BeforeValidator(_listed, json_schema_input_type=str | tuple[str, ...])
+]
+
+
+class Part(BaseModel):
+    """A mapping of a study file that takes only the keys it names."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, hide_input_in_errors=True)
+
+
+class OpenPart(Part):
+    """A mapping whose further keys are options of the plug-in that it names."""
+
+    model_config = ConfigDict(extra="allow")
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The further keys."""
+        return dict(self.__pydantic_extra__ or {})
+
+
+class SolverPart(Part):
+    """Which simulation to run."""
+
+    name: str = Field(description="Entry point, or module:object.")
+    options: dict[str, Any] = Field({}, description="Options of that solver.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value: Any) -> Any:
+        return {"name": value} if isinstance(value, str) else value
+
+
+class ParameterPart(OpenPart):
+    """What varies: a range, a distribution with its words, or levels."""
+
+    range: tuple[Number, Number] | None = Field(None, description="Smallest and largest value.")
+    distribution: str | None = Field(
+        None,
+        description="uniform, normal, lognormal, triangular "
+        "or a continuous scipy.stats name; a range truncates it.",
+    )
+    levels: tuple[str, ...] | None = Field(None, description="Names, for a categorical input.")
+    unit: str | None = Field(None, description="Converted to the solver's unit.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value: Any) -> Any:
+        return {"range": value} if isinstance(value, list | tuple) else value
+
+
+class ConstantPart(Part):
+    """A fixed value of an input."""
+
+    value: Number | str
+    unit: str | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value: Any) -> Any:
+        return value if isinstance(value, Mapping) else {"value": value}
+
+
+class AugmentPart(OpenPart):
+    """Points added to a design."""
+
+    method: str
+
+
+class DesignPart(OpenPart):
+    """Where to run the solver: a method and its options."""
+
+    method: str = Field(description="See `surrogate list`.")
+    augment: tuple[AugmentPart, ...] = Field((), description="fold_over, center_points, ...")
+
+
+class SurrogatePart(Part):
+    """A cheap model: a regressor and its options."""
+
+    method: str = Field(description="See `surrogate list`, or module:Class of scikit-learn.")
+    options: dict[str, Any] = {}
+    train: tuple[str, ...] = Field(
+        ("train",), min_length=1, description="Designs that it learns from."
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value: Any) -> Any:
+        if isinstance(value, str):
+            return {"method": value}
+        if isinstance(value, Mapping) and isinstance(value.get("train"), str):
+            return {**value, "train": [value["train"]]}
+        return value
+
+
+class SensitivityPart(OpenPart):
+    """Which parameters matter, read from a surrogate."""
+
+    method: str = "sobol"
+    surrogate: str = Field("best", description="A surrogate's name, or best.")
+    confidence: float = Field(0.95, gt=0, lt=1)
+    groups: dict[Name, tuple[str, ...]] = Field(
+        {}, description="Parameters whose share of the variance is asked for as a whole."
+    )
+
+
+class ScreeningPart(Part):
+    """Freeze a parameter when its total index is surely below a limit."""
+
+    freeze_below: float = Field(0.02, gt=0, lt=1)
+    outputs: Texts = Field(
+        (),
+        description="Outputs that vote: a parameter is frozen when it "
+        "hardly moves any of them. Default: all of the study's.",
+    )
+
+
+class ValidationPart(Part):
+    """Cases that no surrogate has seen, and other models to set beside the surrogates."""
+
+    cases: str = Field(description="Measurements (.csv), runs (.nc), or another study (.yaml).")
+    output: Texts = Field((), description="Default: every scalar output that the cases have.")
+    subject: str | None = Field(
+        None,
+        description="Column that tells who a case was measured on, "
+        "when one has several; default: the column 'subject', if any.",
+    )
+    models: dict[Name, SolverPart] = Field(
+        {},
+        description="Other solvers, called on the columns of the cases that they take as inputs.",
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value: Any) -> Any:
+        return {"cases": value} if isinstance(value, str) else value
+
+
+class ExecutionPart(Part):
+    """How the runs are carried out."""
+
+    workers: int | None = Field(None, ge=1, description="Processes; default: one a core.")
+    timeout: Duration = Field(None, description="Longest time of a run: 30 s, 30 min, 2 h.")
+    retries: int = Field(0, ge=0, description="Further attempts of a failed run.")
+
+
+class StudyPart(Part):
+    """A study file."""
+
+    study: Name = Field(description="Results go to results/<study>/.")
+    about: str = Field("", description="What is asked, for the report.")
+    solver: SolverPart
+    parameters: dict[Name, ParameterPart]
+    correlation: tuple[tuple[str, str, Annotated[float, Field(gt=-1, lt=1)]], ...] = Field(
+        (), description="[name, name, correlation] of dependent parameters (Gaussian copula)."
+    )
+    constants: dict[Name, ConstantPart] = {}
+    outputs: tuple[str, ...] | None = Field(None, description="Default: all of the solver's.")
+    designs: dict[Name, DesignPart]
+    surrogates: dict[Name, SurrogatePart] = {}
+    sensitivity: SensitivityPart | None = None
+    screening: ScreeningPart | None = None
+    validation: ValidationPart | None = None
+    execution: ExecutionPart = Field(default_factory=lambda: ExecutionPart.model_validate({}))
+    stored: Texts = Field(
+        (),
+        description="Files of runs that ship with the study "
+        "(`surrogate store`), relative to the study file.",
+    )
