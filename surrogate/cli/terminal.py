@@ -25,8 +25,9 @@ from surrogate.study.study import Study
 
 def check(study: Study, results: Path) -> Page:
     """Parameters, designs, aliasing, run count, time estimate."""
-    stored = study.stored(results)
+    stored, unfound = study.begun(results)
     counts = rundata.counts(stored)
+    counts["missing"] += unfound
     parameters = [
         (p.name, p.unit, ", ".join(p.levels) if p.categorical else str(p.distribution))
         for p in study.space.parameters
@@ -50,7 +51,7 @@ def check(study: Study, results: Path) -> Page:
     parts += [table("designs", ("name", "method", "runs", "of these added"), designs), ""]
     for name, alias in aliases.items():
         parts.append(f"aliasing of {name}: {alias}\n")
-    parts += [_surrogate_line(study), _runs_line(study, stored, counts), *study.unused]
+    parts += [_surrogate_line(study), _runs_line(study, stored, counts, unfound), *study.unused]
     parts += rundata.described(stored, "damaged")
     data = {
         "study": study.name,
@@ -74,7 +75,7 @@ def check(study: Study, results: Path) -> Page:
         "stored": rundata.described(stored, "stored"),
         "unused": study.unused,
         "damaged": rundata.described(stored, "damaged"),
-        "seconds_left": rundata.seconds_left(stored, study.workers),
+        "seconds_left": rundata.seconds_left(stored, study.workers, unfound),
     }
     return Page(data, parts)
 
@@ -86,13 +87,13 @@ def _surrogate_line(study: Study) -> str:
     return f"surrogates: {', '.join(named) or 'none'}"
 
 
-def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int]) -> str:
-    total, left = stored.sizes["run"], counts["missing"]
+def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int], unfound: int) -> str:
+    total, left = sum(counts.values()), counts["missing"]
     files = rundata.described(stored, "stored")
     from_files = f" ({', '.join(f'{n} in {name}' for name, n in files.items())})" * bool(files)
     if not left:
         return f"runs: all {total} are stored{from_files}; nothing is left to run"
-    seconds = rundata.seconds_left(stored, study.workers)
+    seconds = rundata.seconds_left(stored, study.workers, unfound)
     time = (
         "time unknown until the first run is done"
         if seconds is None
@@ -103,8 +104,9 @@ def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int]) -> s
 
 def status(study: Study, results: Path) -> Page:
     """Runs done, failed, left; time left; why runs failed."""
-    stored = study.stored(results)
+    stored, unfound = study.begun(results)
     counts = rundata.counts(stored)
+    counts["missing"] += unfound
     words = {"ok": "done", "failed": "failed", "timed_out": "timed out", "missing": "left"}
     parts: list[Any] = [
         f"{study.name}: "
@@ -124,7 +126,7 @@ def status(study: Study, results: Path) -> Page:
         parts.append(f"  and {len(reasons) - 10} more; the report lists all")
     files = rundata.described(stored, "stored")
     if counts["missing"] or files:
-        parts.append(_runs_line(study, stored, counts))
+        parts.append(_runs_line(study, stored, counts, unfound))
     waiting = interrupted(study.journal(results))
     if waiting:
         parts.append(
@@ -140,7 +142,7 @@ def status(study: Study, results: Path) -> Page:
             "unused": study.unused,
             "damaged": rundata.described(stored, "damaged"),
             "fresh": waiting,
-            "seconds_left": rundata.seconds_left(stored, study.workers),
+            "seconds_left": rundata.seconds_left(stored, study.workers, unfound),
         },
         parts,
     )

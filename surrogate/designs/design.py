@@ -2,31 +2,71 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
+
+Method = TypeVar("Method", bound=Callable[..., NDArray[np.float64]])
 
 
 @dataclass(frozen=True)
 class Design:
     """Where to run the solver.
 
-    name     as in the study: train, test, ...
-    method   what made it
-    options  of that method, its seed included
-    coded    points, shape (run, parameter), augmentations included
-    added    (augmentation, number of rows) in the order of the rows at the end
+    name      as in the study: train, test, ...
+    method    what makes it
+    options   of that method, its seed included
+    rows      number of points, augmentations included
+    find      gives the points; a search may take a while
+    added     (augmentation, number of rows) in the order of the rows at the end
+    searched  True when `find` is a search: its points are kept, and found only for a run
+    identity  equal for designs of equal method, options, augmentations and space
     """
 
     name: str
     method: str
     options: Mapping[str, Any]
-    coded: np.ndarray
+    rows: int
+    find: Callable[[], NDArray[np.float64]]
     added: tuple[tuple[str, int], ...] = field(default=())
+    searched: bool = False
+    identity: str = ""
+
+    @cached_property
+    def coded(self) -> NDArray[np.float64]:
+        """Points, shape (run, parameter), augmentations included."""
+        return self.find()
+
+    @property
+    def at_hand(self) -> bool:
+        """Whether the points are there without a search."""
+        return not self.searched or "coded" in self.__dict__
+
+    def with_points(self, coded: NDArray[np.float64]) -> Design:
+        """The same design with points that were found before."""
+        design = replace(self, rows=len(coded))
+        design.__dict__["coded"] = coded
+        return design
 
     @property
     def runs(self) -> int:
         """Number of rows."""
-        return len(self.coded)
+        return len(self.coded) if self.at_hand else self.rows
+
+
+def searching(rows: Callable[..., int]) -> Callable[[Method], Method]:
+    """Marks a design method that searches, so that a study searches once and only for a run.
+
+    rows: takes the space and the options of the method, checks them (`DesignError`) and gives
+    the number of points.
+    """
+
+    def mark(method: Method) -> Method:
+        method.__dict__["rows"] = rows
+        return method
+
+    return mark

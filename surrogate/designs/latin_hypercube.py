@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.designs.design import searching
 from surrogate.designs.maximin import maximin
 from surrogate.designs.requirements import affordable, choice, number, whole
 from surrogate.space.space import Space
@@ -16,6 +17,18 @@ from surrogate.space.space import Space
 CRITERIA = ("maximin", "random")
 
 
+def checked(
+    space: Space, *, runs: int, criterion: str = "maximin", effort: float = 1.0, **_: object
+) -> int:
+    """Number of points that these options of `latin_hypercube` give; raises `DesignError`."""
+    runs = whole("runs", runs, 1)
+    affordable(runs * space.size, "latin_hypercube", "lower runs, or use sobol")
+    number("effort", effort, 0.01, 1e6)
+    choice("criterion", criterion, CRITERIA)
+    return runs
+
+
+@searching(checked)
 def latin_hypercube(
     space: Space,
     *,
@@ -32,12 +45,10 @@ def latin_hypercube(
                as long and brings the points some per cent further apart
     Correlated parameters keep their slices and take the rank correlation of the space.
     """
-    runs = whole("runs", runs, 1)
-    affordable(runs * space.size, "latin_hypercube", "lower runs, or use sobol")
+    runs = checked(space, runs=runs, criterion=criterion, effort=effort)
     rng = np.random.default_rng(seed)
     ranks = rng.permuted(np.tile(np.arange(runs)[:, None], space.size), axis=0)
-    effort = number("effort", effort, 0.01, 1e6)
-    if choice("criterion", criterion, CRITERIA) == "maximin":
+    if criterion == "maximin":
         ranks, within = maximin(ranks, rng, effort), np.full(ranks.shape, 0.5)
     else:
         within = rng.random(ranks.shape)

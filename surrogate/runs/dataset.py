@@ -123,7 +123,9 @@ def assemble(
         raise StudyError(*mistakes)
     physical = physical_columns(space, designs)
     asked = run_inputs(spec, physical, constants)
-    fixed = {name: value for name, value in asked[0].items() if name not in physical}
+    fixed = {
+        name: value for name, value in (asked[0] if asked else {}).items() if name not in physical
+    }
     records = [journal.records.get(key) for key in keys(spec, asked)]
     records = [record if record and record.answers(wanted) else None for record in records]
     return xr.Dataset(
@@ -350,12 +352,12 @@ def counts(runs: xr.Dataset) -> dict[str, int]:
     return {status: found[status] for status in STATUSES}
 
 
-def seconds_left(runs: xr.Dataset, workers: int = 1) -> float | None:
+def seconds_left(runs: xr.Dataset, workers: int = 1, more: int = 0) -> float | None:
     """Estimated time of the missing runs on `workers`; None when no run tells how long one takes.
 
-    Equal points are counted once per row, so it errs on the long side.
+    more: runs that are missing besides those of the dataset. Equal points are counted once per row, so it errs on the long side.
     """
-    missing = counts(runs)["missing"]
+    missing = counts(runs)["missing"] + more
     seconds = runs["seconds"].values
     if missing == 0:
         return 0.0

@@ -88,7 +88,8 @@ def _stored(study: Study, results: Path, surrogate: str | None) -> xr.Dataset:
         raise StudyError(
             f"surrogate '{surrogate}' is unknown; {nearest(surrogate, study.surrogates)}"
         )
-    stored = study.stored(results)
+    begun, waiting = study.begun(results)
+    stored = study.stored(results) if waiting and begun.sizes["run"] else begun
     if not (stored["status"] == "ok").any():
         raise ResultsError(
             f"{results} holds no finished runs of this study; do `surrogate run` first"

@@ -32,6 +32,7 @@ from surrogate.solver import Output
 from surrogate.space.space import Space
 from surrogate.study import file as studyfile
 from surrogate.study import reading
+from surrogate.study.kept_designs import keep, recall
 from surrogate.study.parts import ExecutionPart, ScreeningPart
 from surrogate.study.plugins import call
 from surrogate.study.reading import Reading, SensitivityMethod, Surrogate
@@ -117,8 +118,41 @@ class Study:
     @property
     def aliases(self) -> dict[str, Aliasing]:
         """What is confounded with what, for each design that is a regular two-level fraction."""
-        found = {name: aliasing(self.space, design.coded) for name, design in self.designs.items()}
+        found = {
+            name: aliasing(self.space, design.coded)
+            for name, design in self.designs.items()
+            if not design.searched
+        }
         return {name: alias for name, alias in found.items() if alias is not None}
+
+    def with_kept_designs(self, results: Path | None = None) -> Study:
+        """The same study with those points of its designs that were found before.
+
+        A design does not move once its runs have begun; see `surrogate.study.kept_designs`.
+        """
+        if all(design.at_hand for design in self.designs.values()):
+            return self
+        folder = results or self.folder
+        if folder not in self._recalled:
+            stored = [file.runs for file in self.stored_runs]
+            designs = recall(self.designs, folder, stored, self.spec.solver)
+            self._recalled[folder] = replace(self, designs=designs)
+        return self._recalled[folder]
+
+    @cached_property
+    def _recalled(self) -> dict[Path, Study]:
+        """This study as `with_kept_designs` of a folder gives it."""
+        return {}
+
+    @property
+    def at_hand(self) -> Study:
+        """The same study, without the points of designs that would have to be searched for."""
+        none = np.empty((0, self.space.size))
+        designs = {
+            name: design if design.at_hand else design.with_points(none)
+            for name, design in self.designs.items()
+        }
+        return replace(self, designs=designs)
 
     @property
     def points(self) -> dict[str, np.ndarray]:
@@ -156,11 +190,12 @@ class Study:
         Its attribute `stored` tells how many runs came from which stored file, `damaged` has
         a sentence for each damaged record of the journal.
         """
+        here = self.with_kept_designs(results)
         contents = read_journal(self.journal(results))
-        known = KnownRuns(contents, self._given, self.spec.wanted(self.outputs))
+        known = KnownRuns(contents, here._given, self.spec.wanted(self.outputs))
         runs = rundata.assemble(
             self.space,
-            self.points,
+            here.points,
             self.spec,
             known,
             constants=self.constants,
@@ -173,7 +208,7 @@ class Study:
             },
         )
         return runs.assign_attrs(
-            stored=canonical(known.origins(keys(self.spec, self._calls))),
+            stored=canonical(known.origins(keys(self.spec, here._calls))),
             damaged=canonical(contents.told),
         )
 
@@ -181,17 +216,27 @@ class Study:
         """A sentence for each damaged record of the journal."""
         return read_journal(self.journal(results)).told
 
+    def begun(self, results: Path | None = None) -> tuple[xr.Dataset, int]:
+        """What `stored` gives of the designs whose points are at hand, and runs of the others.
+
+        No run of a design is done before its points are found, so counting needs no search.
+        """
+        here = self.with_kept_designs(results)
+        waiting = sum(design.rows for design in here.designs.values() if not design.at_hand)
+        return here.at_hand.stored(results), waiting
+
     @property
     def unused(self) -> list[str]:
         """A sentence for each stored file that holds no run of this study: what differs first."""
+        here = self.with_kept_designs().at_hand
         return [
             self.source.sentence(
                 ("stored", index),
                 f"no run in '{file.name}' is one of this study's: "
-                + storing.first_difference(file, self.spec, self._calls, self.outputs),
+                + storing.first_difference(file, self.spec, here._calls, self.outputs),
             )
             for index, file in enumerate(self.stored_runs)
-            if not self._matching([file]).records
+            if not here._matching([file]).records
         ]
 
     def run(
@@ -212,11 +257,13 @@ class Study:
         nothing over; old records count until all is done, and an interrupted call is resumed
         by repeating it.
         """
-        known = {} if fresh else {"others": self._neighbours(results), "given": self._given}
+        here = self.with_kept_designs(results)
+        keep(here.designs, results or self.folder)
+        known = {} if fresh else {"others": self._neighbours(results), "given": here._given}
         carry_out = execute_fresh if fresh else execute
         carry_out(
             self.spec,
-            rundata.physical_columns(self.space, self.points),
+            rundata.physical_columns(self.space, here.points),
             journal=self.journal(results),
             constants=self.constants,
             outputs=self.outputs,

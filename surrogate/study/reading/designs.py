@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surrogate.designs.design import Design
 from surrogate.errors import KeyPath, PluginError
+from surrogate.runs.identity import canonical
 from surrogate.space.space import Space
 from surrogate.study import plugins
 from surrogate.study.options import option_mistakes
-from surrogate.study.parts import DesignPart
+from surrogate.study.parts import AugmentPart, DesignPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.solver_factory import parameters_of
 
@@ -23,7 +26,7 @@ GIVEN_TO_DESIGNS = ("space", "coded", "folder")
 
 
 def designs_of(reading: Reading, space: Space | None) -> dict[str, Design]:
-    """Coded points of every design, augmentations included.
+    """Every design; those that are no search with their points, augmentations included.
 
     Without a space, methods and options are checked all the same.
     """
@@ -44,23 +47,78 @@ def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) 
         _method(reading, plugins.AUGMENTATIONS, addition, (*path, "augment", index))
         for index, addition in enumerate(part.augment)
     ]
-    if space is None or first is None or None in more:
+    methods = [method for method in (first, *more) if method is not None]
+    if space is None or len(methods) <= len(part.augment):
         return None
+    names = [part.method, *(addition.method for addition in part.augment)]
+    options = {key: value for key, value in methods[0].keywords.items() if key != "folder"}
     with reading.mistakes_at(*path):
-        coded = _points(part.method, space, first, space)
-        added = []
-        for addition, method in zip(part.augment, more, strict=True):
-            rows = _points(addition.method, space, method, space, coded)
-            added.append((addition.method, len(rows)))
-            coded = np.vstack([coded, rows])
-        options = {key: value for key, value in first.keywords.items() if key != "folder"}
-        return Design(name, part.method, options, coded, tuple(added))
+        rows = getattr(methods[0].func, "rows", None)
+        if rows is None:
+            parts = _parts(space, names, methods)
+        else:  # augmentations are tried on other points, to find mistakes and count rows
+            parts = _augmented(space, space.sample(rows(space, **options), seed=0), names, methods)
+        coded = np.vstack(parts)
+        added = tuple(zip(names[1:], map(len, parts[1:]), strict=True))
+        if rows is None:
+            found = partial(np.asarray, coded)
+            return Design(name, part.method, options, len(coded), found, added)
+        return Design(
+            name,
+            part.method,
+            options,
+            len(coded),
+            partial(_all_points, space, names, methods),
+            added,
+            searched=True,
+            identity=_identity(
+                space, names, [options, *(method.keywords for method in methods[1:])]
+            ),
+        )
     return None
 
 
-def _points(name: str, space: Space, method: Callable[..., Any], *given: Any) -> np.ndarray:
+def _identity(space: Space, names: Sequence[str], options: Sequence[Mapping[str, Any]]) -> str:
+    """Equal for designs of equal methods, options and laws of the parameters in their order."""
+    laws = [[p.name, p.distribution and p.distribution.words, p.levels] for p in space.parameters]
+    said = canonical([list(zip(names, options, strict=True)), laws, space.correlation])
+    return hashlib.sha256(said.encode()).hexdigest()[:32]
+
+
+def _all_points(
+    space: Space, names: Sequence[str], methods: Sequence[Callable[..., Any]]
+) -> NDArray[np.float64]:
+    """Points of a design and its augmentations."""
+    return np.vstack(_parts(space, names, methods))
+
+
+def _parts(
+    space: Space, names: Sequence[str], methods: Sequence[Callable[..., Any]]
+) -> list[NDArray[np.float64]]:
+    """Points of a design, then those of each of its augmentations."""
+    return _augmented(space, _points(names[0], space, methods[0], space), names, methods)
+
+
+def _augmented(
+    space: Space,
+    coded: NDArray[np.float64],
+    names: Sequence[str],
+    methods: Sequence[Callable[..., Any]],
+) -> list[NDArray[np.float64]]:
+    """The points `coded`, then those that each augmentation adds to all before it."""
+    parts = [coded]
+    for name, method in zip(names[1:], methods[1:], strict=True):
+        parts.append(_points(name, space, method, space, np.vstack(parts)))
+    return parts
+
+
+def _points(
+    name: str, space: Space, method: Callable[..., Any], *given: Any
+) -> NDArray[np.float64]:
     """Coded points (run, parameter) that a method gives, whoever wrote it."""
-    coded = plugins.call(f"'{name}' fails", lambda: np.asarray(method(*given), dtype=float))
+    coded: NDArray[np.float64] = plugins.call(
+        f"'{name}' fails", lambda: np.asarray(method(*given), dtype=float)
+    )
     if coded.ndim != 2 or coded.shape[1] != space.size or not np.isfinite(coded).all():
         raise PluginError(
             f"'{name}' gave an array of shape {coded.shape}; it must give coded "
@@ -69,7 +127,9 @@ def _points(name: str, space: Space, method: Callable[..., Any], *given: Any) ->
     return coded
 
 
-def _method(reading: Reading, group: str, part, path: KeyPath):
+def _method(
+    reading: Reading, group: str, part: DesignPart | AugmentPart, path: KeyPath
+) -> partial[Any] | None:
     """The plug-in of a design with its options filled in; None when they are wrong.
 
     A seed that the study leaves open follows from the design's name, so that train and

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -99,16 +99,23 @@ def _check_training(reading, surrogate: Surrogate, designs, space: Space) -> Non
         )
     if space is None or any(name not in designs for name in surrogate.train):
         return
-    points = np.unique(np.vstack([designs[name].coded for name in surrogate.train]), axis=0)
+    points = _different([designs[name] for name in surrogate.train])
     needed = minimum_runs(surrogate.estimator, space)
-    if len(points) < needed:
+    if points < needed:
         reading.wrong(
             f"{surrogate.method} has {needed} coefficients to find in {space.size} "
-            f"parameters, but {', '.join(surrogate.train)} has {len(points)} different "
+            f"parameters, but {', '.join(surrogate.train)} has {points} different "
             "points; use a larger design or a smaller surrogate",
             *path,
             on_key=True,
         )
+
+
+def _different(designs: Sequence[Design]) -> int:
+    """Number of different points; those of a search differ from each other."""
+    there = [design.coded for design in designs if design.at_hand]
+    sought = sum(design.rows for design in designs if not design.at_hand)
+    return sought + (len(np.unique(np.vstack(there), axis=0)) if there else 0)
 
 
 def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod | None:
