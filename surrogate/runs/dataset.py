@@ -355,7 +355,8 @@ def counts(runs: xr.Dataset) -> dict[str, int]:
 def seconds_left(runs: xr.Dataset, workers: int = 1, more: int = 0) -> float | None:
     """Estimated time of the missing runs on `workers`; None when no run tells how long one takes.
 
-    more: runs that are missing besides those of the dataset. Equal points are counted once per row, so it errs on the long side.
+    more: runs that are missing besides those of the dataset. Equal points are counted once per
+    row, so it errs on the long side.
     """
     missing = counts(runs)["missing"] + more
     seconds = runs["seconds"].values
