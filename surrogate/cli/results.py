@@ -1,6 +1,7 @@
 """What lies in results/<study>/, and the whole way from a study to its report.
 
 journal/              every finished run, as it finishes
+designs/              points of designs that were searched for
 runs.nc               the runs dataset
 comparison.nc, sensitivity.nc, regression.nc, validation.nc
 surrogates/*.json     surrogates that evaluate without this package

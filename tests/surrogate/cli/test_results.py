@@ -20,7 +20,15 @@ STUDY = {
     "sensitivity": {"method": "sobol", "surrogate": "linear"},
     "screening": {"freeze_below": 0.2},
 }
-FIRST = {"report.html", "runs.nc", "comparison.nc", "summary.json", "study.yaml", "journal"}
+FIRST = {
+    "designs",
+    "report.html",
+    "runs.nc",
+    "comparison.nc",
+    "summary.json",
+    "study.yaml",
+    "journal",
+}
 
 
 class Hopeless:
