@@ -73,19 +73,15 @@ def sobol_indices(coefficients, factors, weights, groups: Groups | None = None) 
 
 
 def sobol_indices_of_many(
-    coefficients, factors, weights, groups: Groups | None = None, cut: float = 0.0
+    coefficients, factors, weights, groups: Groups | None = None
 ) -> list[SobolIndices]:
     """Indices of functions with the same factors: coefficients (T, functions).
 
-    Terms may be complex as long as each function is real. cut: leave out directions of the
-    factors with less than this share of the leading one's square, for speed; see `_shortened`.
+    Terms may be complex as long as each function is real.
     """
     c = np.asarray(coefficients)
     means = np.array([g @ w for g, w in zip(factors, weights, strict=True)])
     centred = [g - m[:, None] for g, m in zip(factors, means, strict=True)]
-    if cut:
-        centred = [_shortened(g, w, cut) for g, w in zip(centred, weights, strict=True)]
-        weights = [np.ones(g.shape[1]) for g in centred]
     if groups is None:
         variance, unexplained = _total_variances(c, means, centred, weights)
         alone, pairs = _low_order(c, means, centred, weights)
@@ -112,17 +108,6 @@ def sobol_indices_of_many(
 def shifted(indices: SobolIndices, constant: float) -> SobolIndices:
     """Indices of the same function plus a constant."""
     return replace(indices, mean=indices.mean + constant)
-
-
-def _shortened(centred, weights, cut: float) -> np.ndarray:
-    """Factors (T, r) on r orthonormal directions, which then all have weight 1.
-
-    Indices are made of inner products over the nodes, which a rotation leaves as they are;
-    a direction that is left out takes with it just what the functions have along it.
-    """
-    root = centred * np.sqrt(weights)
-    squares, directions = np.linalg.eigh(root.T @ root)
-    return root @ directions[:, squares > cut * squares[-1]]
 
 
 def _low_order(c, means, centred, weights) -> tuple[np.ndarray, np.ndarray]:

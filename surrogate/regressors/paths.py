@@ -18,18 +18,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
-from surrogate.regressors import anova
+from surrogate.regressors import anova, expansion
 from surrogate.regressors.matern import correlation, weighted_sum
+
+Array = NDArray[np.float64]
 
 #: Terms of the expansion.
 TERMS = 1000
 #: Nodes for each input, and the smallest eigenvalue that they resolve.
 QUADRATURE = 48
 RESOLVED = 1e-11
-#: Directions of the factors left out of the indices of paths, which show a spread and need
-#: fewer digits. It moved indices of paths by less than 1e-8.
-CUT = 1e-12
 #: Points whose eigenfunctions are evaluated at once.
 STEP = 4096
 
@@ -42,12 +42,12 @@ class Eigenfunctions:
     """
 
     columns: list[int]
-    nodes: np.ndarray
-    lengths: np.ndarray
-    extension: np.ndarray
-    eigenvalues: np.ndarray
+    nodes: Array
+    lengths: Array
+    extension: Array
+    eigenvalues: Array
 
-    def values(self, points: np.ndarray) -> np.ndarray:
+    def values(self, points: Array) -> Array:
         """All r eigenfunctions at points (k, own), shape (k, r)."""
         return correlation(points, self.nodes, self.lengths) @ self.extension
 
@@ -64,13 +64,13 @@ class Paths:
 
     process: object
     eigenfunctions: list[Eigenfunctions]
-    numbers: np.ndarray
-    waves: np.ndarray
-    weights: np.ndarray
-    trend: np.ndarray
+    numbers: Array
+    waves: Array
+    weights: Array
+    trend: Array
     found: dict = field(default_factory=dict, repr=False)
 
-    def predict(self, X, which) -> np.ndarray:
+    def predict(self, X, which) -> Array:
         """Values (m,) of path number `which`, or (m, k) of a slice of them, at coded X (m, d)."""
         one = self.process
         points = one.expanded(X)
@@ -91,23 +91,40 @@ class Paths:
         return self.found[asked]
 
     def _indices(self, groups: anova.Groups | None) -> list[anova.SobolIndices]:
+        """Those of the mean, exact, moved by what each path deviates from it.
+
+        Deviations are projected on the terms; constants of the trend move means only.
+        """
+        one = self.process
+        given = () if groups is None else (groups,)
+        means, projections = self._projections()
+        around = np.vstack([self.weights, self.trend[1:]])
+        centre = np.append(one.weights_, one.trend_[1:])
+        mean = projections.T @ centre
+        deviations = self.waves + projections.T @ around - mean[:, None]
+        moved = expansion.moved_indices(
+            one.sobol_indices(*given),
+            expansion.Products(self.numbers, means),
+            one.scale_ * mean,
+            one.scale_ * deviations,
+            groups,
+        )
+        shifts = one.scale_ * (self.trend[0] - one.trend_[0])
+        return [anova.shifted(*pair) for pair in zip(moved, shifts, strict=True)]
+
+    def _projections(self) -> tuple[Array, Array]:
+        """Means of each term's functions (terms, d), and <k(., x_i), term>, <trend, term>.
+
+        The second is (n + q - 1, terms), the constant left out.
+        """
         one = self.process
         rules = anova.quadratures(one.space, one.n_features_in_, QUADRATURE)
-        factors = [
-            np.vstack(
-                [
-                    of.values(one.own_columns(j, nodes)[1])[:, self.numbers[:, j]].T,
-                    one.factor(j, nodes),
-                ]
-            )
-            for j, (of, (nodes, _)) in enumerate(zip(self.eigenfunctions, rules, strict=True))
-        ]
-        coefficients = one.scale_ * np.vstack([self.waves, self.weights, self.trend])
-        weights = [w for _, w in rules]
-        return [
-            anova.shifted(indices, one.offset_)
-            for indices in anova.sobol_indices_of_many(coefficients, factors, weights, groups, CUT)
-        ]
+        means, projections = np.empty(self.numbers.shape), np.float64(1.0)
+        for j, (of, (nodes, weights)) in enumerate(zip(self.eigenfunctions, rules, strict=True)):
+            own = of.values(one.own_columns(j, nodes)[1])[:, self.numbers[:, j]] * weights[:, None]
+            means[:, j] = own.sum(axis=0)
+            projections = projections * (np.delete(one.factor(j, nodes), len(one.points_), 0) @ own)
+        return means, projections
 
 
 @dataclass(frozen=True)
@@ -117,7 +134,7 @@ class Draw:
     paths: Paths
     number: int
 
-    def predict(self, X) -> np.ndarray:
+    def predict(self, X) -> Array:
         """Values (m,) at coded X (m, d)."""
         return self.paths.predict(X, self.number)
 
@@ -152,7 +169,7 @@ def _eigenfunctions(process) -> list[Eigenfunctions]:
     return [_of_input(process, j, *rule) for j, rule in enumerate(rules)]
 
 
-def _of_input(process, parameter: int, nodes: np.ndarray, weights: np.ndarray) -> Eigenfunctions:
+def _of_input(process, parameter: int, nodes: Array, weights: Array) -> Eigenfunctions:
     own, values = process.own_columns(parameter, nodes)
     lengths, root = process.lengths_[own], np.sqrt(weights)
     eigenvalues, vectors = np.linalg.eigh(
@@ -163,7 +180,7 @@ def _of_input(process, parameter: int, nodes: np.ndarray, weights: np.ndarray) -
     return Eigenfunctions(own, values, lengths, extension, eigenvalues[good])
 
 
-def _largest(eigenvalues: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _largest(eigenvalues: list[Array]) -> tuple[Array, Array]:
     """The `TERMS` largest products of one eigenvalue of each input: numbers (terms, d), values.
 
     Input by input: the first inputs' part of a largest product is itself among the largest.
@@ -171,15 +188,22 @@ def _largest(eigenvalues: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     numbers, values = np.empty((1, 0), dtype=int), np.ones(1)
     for own in eigenvalues:
         products = np.multiply.outer(values, own).ravel()
-        chosen = np.argsort(-products, kind="stable")[:TERMS]
+        chosen = _order_of_largest(products)
         before, new = np.divmod(chosen, len(own))
         numbers, values = np.column_stack([numbers[before], new]), products[chosen]
     return numbers, values
 
 
-def _terms(
-    eigenfunctions: list[Eigenfunctions], numbers: np.ndarray, points: np.ndarray
-) -> np.ndarray:
+def _order_of_largest(values: Array) -> NDArray[np.intp]:
+    """Numbers of the `TERMS` largest values, largest first; of equal ones the first."""
+    if len(values) <= TERMS:
+        return np.argsort(-values, kind="stable")
+    least = np.partition(values, len(values) - TERMS)[len(values) - TERMS]
+    few = np.flatnonzero(values >= least)
+    return few[np.argsort(-values[few], kind="stable")[:TERMS]]
+
+
+def _terms(eigenfunctions: list[Eigenfunctions], numbers: Array, points: Array) -> Array:
     """Products (k, terms) of eigenfunctions at column values (k, c)."""
     result = np.ones((len(points), len(numbers)))
     for j, of in enumerate(eigenfunctions):
