@@ -18,14 +18,15 @@ inheritance: ::
 A study calls the class with the study's solver options and then the instance
 once a run, by keyword, in the units that `inputs` states.
 
-Two more attributes are optional: `deterministic = False` says that the same inputs
+Three more attributes are optional: `deterministic = False` says that the same inputs
 may give another answer, so that replicates are run; `identity_options` is the
-mapping of those options that change answers, when some do not (a time limit).
+mapping of those options that change answers, when some do not (a time limit);
+`constraints` is a tuple of `Constraint`, where the ranges of the inputs hang on each other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol, runtime_checkable
 
@@ -50,6 +51,41 @@ class Input:
     levels: tuple[str, ...] = ()
     description: str = ""
     source: str = ""
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A condition that joins several inputs: a point that breaks it has no answer.
+
+    The ranges of `Input` are those of each input alone. ::
+
+        constraints = (Constraint(("inner", "outer"), smaller, "inner must be below outer"),)
+
+    inputs    the names of the inputs that it joins
+    holds     holds(*values), their values in this order, says whether a point keeps it
+    sentence  what must hold, and what to change where it does not
+    """
+
+    inputs: tuple[str, ...]
+    holds: Callable[..., Any]
+    sentence: str
+
+
+def broken(solver: Solver, points: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """How many of the points, each with every input, break each constraint: by its sentence.
+
+    Constraints that all points keep are left out.
+    """
+    counts = {
+        one.sentence: sum(not one.holds(*(point[name] for name in one.inputs)) for point in points)
+        for one in constraints_of(solver)
+    }
+    return {sentence: count for sentence, count in counts.items() if count}
+
+
+def constraints_of(solver: Any) -> tuple[Constraint, ...]:
+    """The constraints that a solver declares; () for one that declares none."""
+    return tuple(getattr(solver, "constraints", ()))
 
 
 @dataclass(frozen=True)

@@ -51,6 +51,7 @@ def check(study: Study, results: Path) -> Page:
     parts += [table("designs", ("name", "method", "runs", "of these added"), designs), ""]
     for name, alias in aliases.items():
         parts.append(f"aliasing of {name}: {alias}\n")
+    parts += _constraint_lines(study)
     parts += [_surrogate_line(study), _runs_line(study, stored, counts, unfound), *study.unused]
     parts += rundata.described(stored, "damaged")
     data = {
@@ -71,6 +72,7 @@ def check(study: Study, results: Path) -> Page:
             }
             for name, a in aliases.items()
         },
+        "broken_constraints": study.broken_constraints,
         "runs": counts,
         "stored": rundata.described(stored, "stored"),
         "unused": study.unused,
@@ -78,6 +80,15 @@ def check(study: Study, results: Path) -> Page:
         "seconds_left": rundata.seconds_left(stored, study.workers, unfound),
     }
     return Page(data, parts)
+
+
+def _constraint_lines(study: Study) -> list[str]:
+    """A line for each design and each constraint of the solver that some of its points break."""
+    return [
+        f"{count} of {study.designs[name].runs} points of {name} have no answer: {sentence}\n"
+        for name, counts in study.broken_constraints.items()
+        for sentence, count in counts.items()
+    ]
 
 
 def _surrogate_line(study: Study) -> str:

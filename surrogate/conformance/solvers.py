@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import pickle
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from surrogate.conformance.verdict import attempt, conclude, documented, same
 from surrogate.errors import SolverError, nearest
-from surrogate.solver import Input, Output
+from surrogate.solver import Constraint, Input, Output
 from surrogate.space.units import known
 
 Values = Mapping[str, Any]
@@ -62,6 +63,30 @@ def _declarations(solver: Any) -> Iterable[str]:
     if not callable(solver):
         yield "cannot be called; write __call__(self, **inputs)"
     yield from _clashes(solver)
+    yield from _constraints(solver)
+
+
+def _constraints(solver: Any) -> Iterable[str]:
+    """Each is a `Constraint` on inputs that are there, and the nominal point keeps it."""
+    declared, inputs = getattr(solver, "constraints", ()), getattr(solver, "inputs", None) or {}
+    if not isinstance(declared, tuple) or not all(isinstance(one, Constraint) for one in declared):
+        yield "`constraints` is not a tuple of surrogate.solver.Constraint; make it one"
+        return
+    for number, one in enumerate(declared):
+        name = f"constraints[{number}]"
+        if not isinstance(one.sentence, str) or not one.sentence:
+            yield f"{name} has no sentence; say what must hold and what to change"
+        unknown = [joined for joined in one.inputs if joined not in inputs]
+        if unknown or not one.inputs:
+            yield f"{name}: {unknown} are no inputs; name the inputs that it joins"
+            continue
+        nominal = [inputs[joined].nominal for joined in one.inputs]
+        if None in nominal:
+            continue
+        kept, sentences = attempt(f"{name} at the nominal point", partial(one.holds, *nominal))
+        yield from sentences
+        if not sentences and not kept:
+            yield f"{name}: the nominal point breaks it; choose nominal values that keep it"
 
 
 def _input(name: str, given: Input) -> Iterable[str]:

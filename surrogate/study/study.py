@@ -28,7 +28,7 @@ from surrogate.runs.journal import read as read_journal
 from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
 from surrogate.sensitivity.screening import Screening, decide
 from surrogate.sensitivity.table import combine
-from surrogate.solver import Output
+from surrogate.solver import Output, broken
 from surrogate.space.space import Space
 from surrogate.study import file as studyfile
 from surrogate.study import reading
@@ -153,6 +153,19 @@ class Study:
             for name, design in self.designs.items()
         }
         return replace(self, designs=designs)
+
+    @property
+    def broken_constraints(self) -> dict[str, dict[str, int]]:
+        """How many points of each design break a constraint of the solver, by its sentence.
+
+        Designs all of whose points keep all constraints are left out.
+        """
+        found = {}
+        for name, coded in self.points.items():
+            columns = rundata.physical_columns(self.space, {name: coded})
+            calls = run_inputs(self.spec, columns, self.constants)
+            found[name] = broken(self.spec.solver, calls)
+        return {name: counts for name, counts in found.items() if counts}
 
     @property
     def points(self) -> dict[str, np.ndarray]:

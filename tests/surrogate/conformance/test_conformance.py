@@ -16,7 +16,7 @@ from surrogate.conformance import (
     check_solver,
 )
 from surrogate.errors import DesignError, PluginError, SolverError
-from surrogate.solver import Input, Output
+from surrogate.solver import Constraint, Input, Output, broken
 
 #: What a plug-in needs in order to be built, by entry-point name.
 SOLVER_OPTIONS = {
@@ -460,3 +460,31 @@ class Indices:
 
     def __init__(self, values):
         self.first_order = self.total = values
+
+
+SOFT = Constraint(("force", "kind"), lambda f, k: k == "steel" or f < 5, "rubber takes 5 N")
+
+
+def test_a_solver_with_a_constraint_passes():
+    """And `broken` counts the points that do not keep it."""
+    solver = broken_solver(constraints=(SOFT,))
+    check_solver(solver, picklable=False)
+    points = [{"force": f, "kind": k} for f in (1.0, 4.0, 6.0, 9.0) for k in ("steel", "rubber")]
+    assert broken(solver, points) == {"rubber takes 5 N": 2}
+    assert broken(solver, points[:4]) == {} == broken(Spring(), points)
+
+
+@pytest.mark.parametrize(
+    "constraints, sentence",
+    [
+        ([SOFT], "not a tuple"),
+        ((Constraint(("force",), lambda f: f < 5, ""),), "has no sentence"),
+        ((Constraint(("froce",), lambda f: f < 5, "x"),), r"\['froce'\] are no inputs"),
+        ((Constraint(("force",), lambda f: f > 5, "x"),), "nominal point breaks it"),
+        ((Constraint(("force",), lambda f: f.boom, "x"),), "at the nominal point"),
+    ],
+)
+def test_wrong_constraints(constraints, sentence):
+    """Each mistake in a sentence."""
+    with pytest.raises(PluginError, match=sentence):
+        check_solver(broken_solver(constraints=constraints), runs=0)
