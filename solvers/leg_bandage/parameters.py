@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from surrogate.errors import SolverError, StudyError, nearest
-from surrogate.solver import Input
+from surrogate.solver import Constraint, Input
 
 from .bandage.products import ASSUMED, NOMINAL, STRETCH
 from .geometry.basis import Basis, fit_basis, shipped_basis
@@ -242,6 +242,21 @@ INPUTS: Mapping[str, Input] = {
         source=ASSUMED["thickness"],
     ),
 }
+
+
+def _has_a_minimum(nu12: float, K2: float, tension: float) -> bool:
+    """Whether the membrane energy has one: nu12^2 K2 < K1 = tension / 0.3."""
+    return nu12**2 * K2 < tension / (STRETCH - 1)
+
+
+CONSTRAINTS = (
+    Constraint(
+        ("nu12", "K2", "tension"),
+        _has_a_minimum,
+        "nu12^2 K2 must be below K1 = tension / 0.3, or the fabric's energy has no minimum; "
+        "lower nu12 or K2, or raise the tension",
+    ),
+)
 
 
 def check_ranges(inputs: Mapping[str, Input], values: Mapping[str, float | str]) -> None:

@@ -44,7 +44,7 @@ from .geometry.landmarks import RULES
 from .geometry.leg import Leg
 from .outputs.answers import OUTPUTS, answers
 from .outputs.result import Result
-from .parameters import INPUTS, SHAPE, complete, shapes_in
+from .parameters import CONSTRAINTS, INPUTS, SHAPE, complete, shapes_in
 from .wrapping.lay import element_rows, lay
 from .wrapping.spiral import Wrap, wrap_for
 
@@ -68,6 +68,7 @@ class LegBandage:
 
     version = "3"
     outputs = OUTPUTS
+    constraints = CONSTRAINTS
 
     def __init__(
         self,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from surrogate import Study
+from surrogate.cli import terminal
 from surrogate.conformance import check_solver
 from surrogate.errors import SolverError, StudyError
 from surrogate.runs.identity import SolverSpec, keys
@@ -17,7 +18,7 @@ from surrogate_solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc, b1_he
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
 from surrogate_solvers.leg_bandage.outputs.answers import _circle
 from surrogate_solvers.leg_bandage.outputs.pressure_map import on_disc, pressure_map
-from surrogate_solvers.leg_bandage.parameters import INPUTS, shapes_in
+from surrogate_solvers.leg_bandage.parameters import INPUTS, complete, shapes_in
 from surrogate_solvers.leg_bandage.plugin import LegBandage
 
 
@@ -213,3 +214,36 @@ def test_a_study_may_ask_for_all_outputs(name):
         }
     )
     assert {"pressure_b1", "pressure_field", "slip_max"} <= set(study.outputs)
+
+
+def test_check_tells_the_points_that_the_fabric_cannot_be(tmp_path):
+    """nu12 and K2 in their ranges, and yet no energy minimum: counted by design before any run.
+
+    Whether a call is refused agrees with the constraint at each point of the design.
+    """
+    (tmp_path / "few.csv").write_text("nu12,K2\n0.2,0.3\n")
+    study = Study.from_mapping(
+        {
+            "study": "weft",
+            "solver": {"name": "leg_bandage", "options": {"mesh": "coarse"}},
+            "parameters": {"nu12": [0.0, 0.45], "K2": [0.01, 5.0]},
+            "outputs": ["pressure_b1"],
+            "designs": {"train": {"method": "full_factorial", "levels": 3},
+                        "few": {"method": "csv", "path": str(tmp_path / "few.csv")}},
+        }
+    )  # fmt: skip
+    train, few = study.designs["train"], study.designs["few"]
+    assert (train.runs, few.runs) == (9, 1)
+    refused = 0
+    for point in zip(*study.space.decode(train.coded).values(), strict=True):
+        values = complete(INPUTS, dict(zip(("nu12", "K2"), map(float, point), strict=True)))
+        try:
+            LegBandage(mesh="coarse")._material(values)
+        except SolverError as error:
+            assert "no minimum" in str(error)
+            refused += 1
+    (sentence,) = (one.sentence for one in LegBandage.constraints)
+    assert study.broken_constraints == {"train": {sentence: refused}} and refused == 2
+    page = terminal.check(study, tmp_path / "results")
+    assert f"2 of 9 points of train have no answer: {sentence}\n" in page.parts
+    assert page.data["broken_constraints"] == study.broken_constraints
