@@ -9,29 +9,85 @@ import importlib
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.machinery import PathFinder
 from inspect import Parameter, signature
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 
 def imported(path: str, folder: Path | None = None) -> Any:
     """The object at `module:object`; raises whatever the import of the module raises.
 
-    folder: where a module of the study's own may stand.
+    folder: where the study lies; its own modules come before all others.
     """
-    _make_importable(folder)
     module, _, attribute = path.partition(":")
-    found = importlib.import_module(module)
+    found: Any = _module(module, None if folder is None else folder.resolve())
     for part in attribute.split("."):
         found = getattr(found, part)
     return found
 
 
-def _make_importable(folder: Path | None) -> None:
-    """Let modules beside the study, and in the current folder, be imported, as scripts can."""
+def _module(name: str, folder: Path | None) -> ModuleType:
+    """The module of the study, of the current folder or installed, in this order.
+
+    `solvers.x` is the built-in `surrogate_solvers.x` for those who have no such module:
+    0.1.0 installed the built-in solvers under that name.
+    """
+    try:
+        return _imported_beside(name, folder)
+    except ModuleNotFoundError as error:
+        missing = error.name is not None and f"{name}.".startswith(f"{error.name}.")
+        if not (missing and name.startswith("solvers.")):
+            raise
+        try:
+            return importlib.import_module(f"surrogate_{name}")
+        except ModuleNotFoundError:
+            raise error from None
+
+
+#: Modules that stood beside a study when they were imported, and in which folder.
+_BESIDE: dict[str, Path] = {}
+
+
+def _imported_beside(name: str, folder: Path | None) -> ModuleType:
+    """Import a module, from the study's folder first where it lies there.
+
+    Modules of the same name from another study's folder are forgotten before. Both folders
+    stay importable for what the module imports later.
+    """
     for place in (folder, Path.cwd()):
         if place is not None and str(place) not in sys.path:
             sys.path.append(str(place))
+    if folder is None or not _stands_in(folder, name.partition(".")[0]):
+        return importlib.import_module(name)
+    for top in [top for top, place in _BESIDE.items() if place != folder]:
+        if _stands_in(folder, top):
+            _forget(top)
+    before = set(sys.modules)
+    sys.path.insert(0, str(folder))
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.remove(str(folder))
+        new = (sys.modules[one] for one in set(sys.modules) - before if "." not in one)
+        _BESIDE.update({module.__name__: folder for module in new if _lies_in(folder, module)})
+
+
+def _stands_in(folder: Path, name: str) -> bool:
+    return PathFinder.find_spec(name, [str(folder)]) is not None
+
+
+def _lies_in(folder: Path, module: ModuleType) -> bool:
+    """True for a module or package directly in the folder."""
+    places = [*getattr(module, "__path__", ()), getattr(module, "__file__", None)]
+    return any(place is not None and Path(place).parent == folder for place in places)
+
+
+def _forget(top: str) -> None:
+    del _BESIDE[top]
+    for name in [name for name in sys.modules if name == top or name.startswith(f"{top}.")]:
+        del sys.modules[name]
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from surrogate.errors import KeyPath, PluginError
 from surrogate.runs.identity import canonical
 from surrogate.space.space import Space
 from surrogate.study import plugins
+from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import AugmentPart, DesignPart
 from surrogate.study.reading.mistakes import Reading
@@ -137,6 +138,7 @@ def _method(
     """
     with reading.mistakes_at(*path, "method"):
         function = plugins.load(group, part.method, reading.folder)
+        check_kind(group, part.method, function)
         mistakes = option_mistakes(function, part.options, GIVEN_TO_DESIGNS)
         reading.add(mistakes, *path)
         if mistakes:

@@ -14,6 +14,7 @@ from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
 from surrogate.space.space import Space
 from surrogate.study import plugins
+from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import SurrogatePart
 from surrogate.study.reading.mistakes import Reading
@@ -63,6 +64,7 @@ def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | 
     path = ("surrogates", name)
     with reading.mistakes_at(*path, "method"):
         factory = plugins.load(plugins.REGRESSORS, part.method, reading.folder)
+        check_kind(plugins.REGRESSORS, part.method, factory)
         mistakes = option_mistakes(factory, part.options, GIVEN_TO_REGRESSORS)
         reading.add(mistakes, *path, "options")
         if mistakes:

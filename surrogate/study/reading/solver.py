@@ -15,6 +15,7 @@ from surrogate.space import laws, units
 from surrogate.space.distributions import UNBOUNDED, distribution
 from surrogate.space.space import Parameter, Space
 from surrogate.study import plugins
+from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import ConstantPart, ParameterPart, SolverPart
 from surrogate.study.reading.mistakes import Reading
@@ -34,6 +35,7 @@ def solver_of(
         return spec, None
     with reading.mistakes_at(*path, "name"):
         found = plugins.load(plugins.SOLVERS, part.name, reading.folder)
+        check_kind(plugins.SOLVERS, part.name, found)
         path_of_found = plugins.path_of(plugins.SOLVERS, part.name)
         spec = replace(spec, build=SolverFactory(path_of_found, reading.folder))
         mistakes = option_mistakes(found, part.options, GIVEN_TO_SOLVERS)

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from surrogate.errors import PluginError, StudyError
 from surrogate.study import plugins
 from surrogate.study.options import option_mistakes
 from surrogate.study.study import Study
+
+REPOSITORY = str(Path(__file__).parents[3])
 
 MODULE = '''
 import numpy as np
@@ -136,6 +139,12 @@ class Unbuildable:
     def __init__(self):
         raise RuntimeError("no licence")
 
+    def fit(self, X, y):
+        return self
+
+    def predict(self, X):
+        return X[:, 0]
+
 
 @pytest.mark.parametrize(
     "name, words",
@@ -213,3 +222,101 @@ def test_options_are_checked_against_the_signature():
     assert problems(space=1, runs=1)[0].startswith("option 'space' is unknown")
     assert "'three' is not accepted" in problems(runs="three")[0]
     assert problems() == ["option 'runs' is needed"]
+
+
+TOUCH = {"args": ["touch", "touched"]}
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        {"solver": {"name": "subprocess:run", "options": TOUCH}},
+        {"solver": {"name": "subprocess:Popen", "options": TOUCH}},
+        {"solver": {"name": "os:mkdir", "options": {"path": "touched"}}},
+        {"designs": {"train": {"method": "subprocess:run", **TOUCH}}},
+        {"designs": {"train": {"method": "os:mkdir", "path": "touched"}}},
+        {"designs": {"train": {"method": "sobol", "runs": 8, "augment": [
+            {"method": "subprocess:run", **TOUCH}]}}},
+        {"surrogates": {"a": {"method": "subprocess:Popen", "options": TOUCH}}},
+        {"surrogates": {"a": {"method": "subprocess:run", "options": TOUCH}}},
+        {"validation": {"cases": "x.csv", "models": {
+            "m": {"name": "subprocess:run", "options": TOUCH}}}},
+    ],
+)  # fmt: skip
+def test_what_is_no_plugin_is_not_called_with_options(part, tmp_path, monkeypatch):
+    """Reading a study calls nothing that does not look like what it is named for."""
+    monkeypatch.chdir(tmp_path)
+    study = {
+        "study": "harm",
+        "solver": "ishigami",
+        "parameters": {name: [-1, 1] for name in ("X1", "X2", "X3")},
+        "designs": {"train": {"method": "sobol", "runs": 8}},
+    }
+    with pytest.raises(StudyError, match="is not called: an? (solver|design|augm|regr)"):
+        Study.from_mapping({**study, **part})
+    assert not list(tmp_path.iterdir())
+
+
+OWN = """
+from surrogate.solver import Input, Output
+from {package}factor import FACTOR
+
+class M:
+    version = "1"
+    inputs = {{"x": Input(nominal=1.0)}}
+    outputs = {{"y": Output()}}
+    def __call__(self, x):
+        return {{"y": FACTOR * x}}
+"""
+
+
+def own_modules(folder, factor, package="solvers"):
+    """A package `solvers` and a module `factor` beside a study."""
+    (folder / "solvers").mkdir(parents=True)
+    (folder / "solvers/__init__.py").write_text("")
+    (folder / "solvers/mine.py").write_text(OWN.format(package=""))
+    (folder / "factor.py").write_text(f"FACTOR = {factor}\n")
+    (folder / "own.yaml").write_text(
+        'study: own\nsolver: "solvers.mine:M"\nparameters: {x: [0, 1]}\n'
+        "designs: {train: {method: sobol, runs: 4}}\n"
+    )
+    return folder / "own.yaml"
+
+
+def test_two_studies_with_modules_of_one_name(tmp_path):
+    """Each gets the modules beside it, in one process, one after the other and again."""
+    paths = [own_modules(tmp_path / name, factor) for name, factor in (("a", 2.0), ("b", 3.0))]
+    studies = [Study.from_yaml(path) for path in (*paths, *paths)]
+    assert [study.spec.solver(x=1.0)["y"] for study in studies] == [2.0, 3.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "solvers.leg_bandage.plugin:LegBandage",
+        "solvers.textbook:Borehole",
+        "solvers.laplace:Laplace",
+    ],
+)
+def test_the_old_name_of_the_built_in_solvers_still_finds_them(name, tmp_path, monkeypatch):
+    """`solvers.x:Y` is the user's where she has one, and the built-in one elsewhere."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [one for one in sys.path if one not in ("", REPOSITORY)])
+    path = own_modules(tmp_path / "own", 2.0)
+    assert Study.from_yaml(path).spec.solver(x=1.0) == {"y": 2.0}
+    found = plugins.load(plugins.SOLVERS, name, tmp_path / "own")
+    assert found.__module__.startswith("surrogate_solvers.")
+    with pytest.raises(PluginError, match="No module named 'solvers.nothing'"):
+        plugins.load(plugins.SOLVERS, "solvers.nothing:X", tmp_path / "own")
+
+
+def test_a_folder_called_solvers_beside_the_study(tmp_path):
+    """Its solver and a built-in one, run by the command in that folder."""
+    own_modules(tmp_path, 2.0)
+    (tmp_path / "built_in.yaml").write_text(
+        "study: built_in\nsolver: borehole\nparameters: {rw: [0.05, 0.15]}\n"
+        "designs: {train: {method: sobol, runs: 4}}\n"
+    )
+    for study in ("own", "built_in"):
+        done = command((tmp_path, os.environ), "run", f"{study}.yaml")
+        assert done.returncode == 0, done.stderr
