@@ -83,7 +83,7 @@ class Fold:
     """Blocks behind a title that opens them; print shows them open."""
 
     title: str
-    blocks: tuple
+    blocks: tuple[Block, ...]
     open: bool = False
     kind: str = field(default="fold", init=False)
 
@@ -122,13 +122,17 @@ class Heading:
     kind: str = field(default="heading", init=False)
 
 
+#: What stands in a section; the template draws each by its `kind`.
+Block = Text | Points | Table | Figures | Fold | Listing | Facts | Heading
+
+
 @dataclass(frozen=True)
 class Section:
     """A titled part of the page."""
 
     anchor: str
     title: str
-    blocks: tuple
+    blocks: tuple[Block, ...]
 
     @property
     def headings(self) -> list[Heading]:
@@ -141,7 +145,7 @@ def heads(*words: str, names: int = 1) -> tuple[Head, ...]:
     return tuple(Head(word, numeric=k >= names) for k, word in enumerate(words))
 
 
-def cells(words: Iterable[str], values: Sequence | None = None) -> list[Cell]:
+def cells(words: Iterable[str], values: Sequence[float | str | None] | None = None) -> list[Cell]:
     """A column of cells, sorted by `values` when given."""
     words = list(words)
     values = [None] * len(words) if values is None else values

@@ -63,17 +63,17 @@ class Content:
     @property
     def ok(self) -> np.ndarray:
         """Which runs have an answer, shape (run,)."""
-        return self.words("status") == "ok"
+        return np.asarray(self.words("status") == "ok")
 
     @property
     def failed(self) -> np.ndarray:
         """Which runs were made and have no answer, shape (run,)."""
-        return ~self.ok & ~self.missing
+        return np.asarray(~self.ok & ~self.missing)
 
     @property
     def missing(self) -> np.ndarray:
         """Which runs have not been made yet, shape (run,)."""
-        return self.words("status") == "missing"
+        return np.asarray(self.words("status") == "missing")
 
     @property
     def seconds(self) -> np.ndarray:
@@ -103,7 +103,7 @@ class Content:
     def finished(self, output: str) -> np.ndarray:
         """Which runs have a whole answer for this output, shape (run,)."""
         values = self.values(output)
-        return self.ok & np.isfinite(values).reshape(len(values), -1).all(axis=1)
+        return np.asarray(self.ok & np.isfinite(values).reshape(len(values), -1).all(axis=1))
 
     @property
     def numbers(self) -> np.ndarray:

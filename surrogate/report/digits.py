@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
+from typing import TypeGuard
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 MINUS = "\N{MINUS SIGN}"
 THIN = "\N{NARROW NO-BREAK SPACE}"
 NOTHING = "\N{EN DASH}"
+#: What is printed: a number, or None where there is none.
+Number = float | np.floating | None
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def figure(value, digits: int = 3) -> str:
+def figure(value: Number, digits: int = 3) -> str:
     """A number with about `digits` significant digits; an en dash when there is none."""
     if value is None or not np.isfinite(float(value)):
         return _not_finite(value)
@@ -26,7 +31,7 @@ def figure(value, digits: int = 3) -> str:
     return fixed(value, max(0, digits - 1 - exponent))
 
 
-def number(value, digits: int = 6) -> str:
+def number(value: Number, digits: int = 6) -> str:
     """A number as somebody wrote it: up to `digits` significant digits, no trailing zeros."""
     text = figure(value, digits)
     if "." in text and "×" not in text:
@@ -34,7 +39,7 @@ def number(value, digits: int = 6) -> str:
     return text
 
 
-def fixed(value, decimals: int) -> str:
+def fixed(value: Number, decimals: int) -> str:
     """A number with this many decimals, thousands set apart and a true minus sign."""
     if value is None or not np.isfinite(float(value)):
         return _not_finite(value)
@@ -45,7 +50,7 @@ def fixed(value, decimals: int) -> str:
     return text.replace(",", THIN if whole else "").replace("-", MINUS)
 
 
-def decimals_of(values, digits: int = 3) -> int:
+def decimals_of(values: ArrayLike, digits: int = 3) -> int:
     """Decimals with which the spread of these values shows `digits` significant digits."""
     finite = np.asarray(values, dtype=float)
     finite = finite[np.isfinite(finite)]
@@ -55,7 +60,7 @@ def decimals_of(values, digits: int = 3) -> int:
     return 0 if spread == 0.0 else int(np.clip(digits - 1 - _exponent(spread), 0, 9))
 
 
-def column(values, digits: int = 3) -> list[str]:
+def column(values: ArrayLike, digits: int = 3) -> list[str]:
     """A column of numbers with the same decimals throughout, so that the points line up."""
     values = np.asarray(values, dtype=float)
     largest = np.abs(values[np.isfinite(values)]).max(initial=0.0)
@@ -65,7 +70,7 @@ def column(values, digits: int = 3) -> list[str]:
     return [fixed(value, decimals) for value in values]
 
 
-def with_half(value, half) -> str:
+def with_half(value: Number, half: Number) -> str:
     """`11.54 ± 0.12`: two significant digits of the half-width decide the decimals."""
     if not _finite(value) or not _finite(half) or half <= 0.0:
         return figure(value)
@@ -75,7 +80,7 @@ def with_half(value, half) -> str:
     return f"{fixed(value, decimals)} ± {fixed(half, decimals)}"
 
 
-def with_interval(value, low, high, most: int = 9) -> str:
+def with_interval(value: Number, low: Number, high: Number, *, most: int = 9) -> str:
     """`0.709 (0.690 to 0.731)`, `most` decimals at most; the value alone without an interval."""
     if not (_finite(value) and _finite(low) and _finite(high)):
         return figure(value)
@@ -85,7 +90,7 @@ def with_interval(value, low, high, most: int = 9) -> str:
     return f"{fixed(value, decimals)} ({fixed(low, decimals)} to {fixed(high, decimals)})"
 
 
-def interval(low, high) -> str:
+def interval(low: Number, high: Number) -> str:
     """`0.690 to 0.731`: digits that show its width, and on which side of zero an end lies."""
     if not (_finite(low) and _finite(high)):
         return NOTHING
@@ -97,14 +102,14 @@ def interval(low, high) -> str:
     return f"{fixed(low, decimals)} to {fixed(high, decimals)}"
 
 
-def p_value(p) -> str:
+def p_value(p: Number) -> str:
     """A probability: two digits, and no pretence below one in a thousand."""
     if not _finite(p):
         return NOTHING
     return f"<{THIN}0.001" if p < 0.001 else figure(p, 2)
 
 
-def score(value) -> str:
+def score(value: Number) -> str:
     """R2 or Q2: three decimals, or as many more as tell it from a perfect 1 (up to six)."""
     if not _finite(value):
         return NOTHING
@@ -112,7 +117,7 @@ def score(value) -> str:
     return fixed(value, decimals if value < 1.0 - 5e-7 else 3)
 
 
-def percent(share) -> str:
+def percent(share: Number) -> str:
     """`93.4 %` of a share 0.934; never rounded up to 100 or down to 0."""
     if not _finite(share):
         return NOTHING
@@ -124,7 +129,7 @@ def percent(share) -> str:
     return f"{fixed(100.0 * share, decimals).removesuffix('.0')}{THIN}%"
 
 
-def duration(seconds) -> str:
+def duration(seconds: Number) -> str:
     """Seconds in the unit that people would use: 4.2 ms, 42 s, 3 min 10 s, 2 h 5 min, 1.3 days."""
     if not _finite(seconds):
         return NOTHING
@@ -168,24 +173,24 @@ def quantity(count: int, one: str, many: str = "") -> str:
     return f"{count} {one if count == 1 else many or one + 's'}"
 
 
-def listing(words, most: int = 0) -> str:
+def listing(words: Iterable[object], most: int = 0) -> str:
     """`a`, `a and b`, `a, b and c`; with `most`, so many words and how many more there are."""
-    words = [str(word) for word in words]
-    if most and len(words) > most + 1:
-        words = [*words[:most], f"{len(words) - most} more"]
-    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+    listed = [str(word) for word in words]
+    if most and len(listed) > most + 1:
+        listed = [*listed[:most], f"{len(listed) - most} more"]
+    return " and ".join([", ".join(listed[:-1]), listed[-1]] if len(listed) > 1 else listed)
 
 
-def _finite(value) -> bool:
+def _finite(value: Number) -> TypeGuard[float]:
     return value is not None and bool(np.isfinite(float(value)))
 
 
-def _awkward(value) -> bool:
+def _awkward(value: float) -> bool:
     """Too large or too small to write out."""
     return value != 0.0 and not -4 <= _exponent(value) < 7
 
 
-def _exponent(value) -> int:
+def _exponent(value: float) -> int:
     return math.floor(math.log10(abs(float(value))))
 
 
@@ -198,7 +203,7 @@ def _scientific(value: float, digits: int) -> str:
     return f"{mantissa} × 10{str(int(exponent)).translate(_RAISED)}".replace("-", MINUS)
 
 
-def _not_finite(value) -> str:
+def _not_finite(value: Number) -> str:
     if value is None or np.isnan(float(value)):
         return NOTHING
     return "∞" if float(value) > 0 else f"{MINUS}∞"

@@ -9,11 +9,13 @@ more when it is pointed at; nothing is said there that the page does not say els
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 from markupsafe import Markup, escape
+from numpy.typing import ArrayLike
 
 from surrogate.report.digits import fixed
 
@@ -21,7 +23,7 @@ WIDTH = 360.0
 LETTER, NARROW, WIDE = 6.8, 3.9, 10.0  # widths of letters in the drawings' 11-unit type
 
 
-def tag(name: str, *children, **attributes) -> Markup:
+def tag(name: str, *children: object, **attributes: object) -> Markup:
     """An element; underscores in attribute names become hyphens, text is escaped."""
     words = "".join(
         f' {key.rstrip("_").replace("_", "-")}="{escape(_short(value))}"'
@@ -32,19 +34,21 @@ def tag(name: str, *children, **attributes) -> Markup:
     return Markup(f"<{name}{words}>{inner}</{name}>") if inner else Markup(f"<{name}{words}/>")
 
 
-def _short(value) -> str:
+def _short(value: object) -> str:
     """Coordinates to a tenth of a unit: finer cannot be seen and makes the page heavy."""
     if isinstance(value, (float, np.floating)):
         return f"{value:.1f}".removesuffix(".0")
     return str(value)
 
 
-def group(*children, **attributes) -> Markup:
+def group(*children: object, **attributes: object) -> Markup:
     """A `<g>` of other marks."""
     return tag("g", *children, **attributes)
 
 
-def drawing(width: float, height: float, *children, says: str, **attributes) -> Markup:
+def drawing(
+    width: float, height: float, *children: object, says: str, **attributes: object
+) -> Markup:
     """The `<svg>` itself; `says` is its text for those who do not see it."""
     return tag(
         "svg",
@@ -57,7 +61,7 @@ def drawing(width: float, height: float, *children, says: str, **attributes) -> 
     )
 
 
-def text(x: float, y: float, words, class_: str = "", anchor: str | None = None) -> Markup:
+def text(x: float, y: float, words: object, class_: str = "", anchor: str | None = None) -> Markup:
     """Words at a point."""
     return tag("text", words, x=float(x), y=float(y), class_=class_ or None, text_anchor=anchor)
 
@@ -73,7 +77,7 @@ def path(points: Iterable[tuple[float, float]], class_: str, closed: bool = Fals
     return tag("path", d=f"M{words}{'Z' if closed else ''}", class_=class_)
 
 
-def mark(kind: str, x: float, y: float, size: float = 3.4, **attributes) -> Markup:
+def mark(kind: str, x: float, y: float, size: float = 3.4, **attributes: object) -> Markup:
     """A symbol: `filled`, `hollow` (discs), `square`, `diamond` or `cross`."""
     x, y = float(x), float(y)
     if kind in ("filled", "hollow"):
@@ -97,7 +101,13 @@ class Scale:
     start: float
     end: float
 
-    def __call__(self, value):
+    @overload
+    def __call__(self, value: float) -> float: ...
+
+    @overload
+    def __call__(self, value: np.ndarray | Sequence[float]) -> np.ndarray: ...
+
+    def __call__(self, value: float | np.ndarray | Sequence[float]) -> float | np.ndarray:
         """Place of a value, or of an array of them."""
         share = (np.asarray(value, dtype=float) - self.low) / (self.high - self.low)
         return self.start + share * (self.end - self.start)
@@ -127,7 +137,9 @@ def _round_step(step: float) -> float:
     return next(factor * power for factor in (1, 2, 2.5, 5, 10) if factor * power >= step * 0.999)
 
 
-def span(*values, pad: float = 0.05, include: Iterable[float] = ()) -> tuple[float, float]:
+def span(
+    *values: ArrayLike, pad: float = 0.05, include: Iterable[float] = ()
+) -> tuple[float, float]:
     """Lowest and highest finite value with a little room; a unit around a single value."""
     joined = np.concatenate([np.ravel(np.asarray(v, dtype=float)) for v in (*values, [*include])])
     joined = joined[np.isfinite(joined)]
@@ -150,20 +162,20 @@ class Panel:
     @classmethod
     def within(
         cls,
-        x_span,
-        y_span,
+        x_span: tuple[float, float],
+        y_span: tuple[float, float],
         *,
-        left=46.0,
-        right=12.0,
-        top=26.0,
-        bottom=38.0,
-        width=WIDTH,
-        height=300.0,
+        left: float = 46.0,
+        right: float = 12.0,
+        top: float = 26.0,
+        bottom: float = 38.0,
+        width: float = WIDTH,
+        height: float = 300.0,
     ) -> Panel:
         """The panel of a drawing with these margins."""
         return cls(Scale(*x_span, left, width - right), Scale(*y_span, height - bottom, top))
 
-    def frame(self, x_label: str, y_label: str, *, x_count=5, y_count=5) -> Markup:
+    def frame(self, x_label: str, y_label: str, *, x_count: int = 5, y_count: int = 5) -> Markup:
         """Light grid, tick words and labels; the y label stands above its axis."""
         left, right, floor, top = self.x.start, self.x.end, self.y.start, self.y.end
         marks = [line(left, self.y(v), right, self.y(v), "grid") for v in self.y.ticks(y_count)]

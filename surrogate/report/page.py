@@ -28,6 +28,8 @@ from surrogate.report.sections import (
 )
 from surrogate.runs.files import write_text
 
+_LOADER = PackageLoader("surrogate.report", ".")
+
 
 @dataclass(frozen=True)
 class Page:
@@ -47,7 +49,7 @@ def build(content: Content, only: str = "") -> Page:
     only: anchor of the one section to show; provenance stands under it.
     """
     environment = Environment(
-        loader=PackageLoader("surrogate.report", "."),
+        loader=_LOADER,
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -87,14 +89,14 @@ def _sections(content: Content) -> Iterator[Section]:
         if blocks:
             yield Section(anchor("output", output), title, tuple(blocks))
     if content.validation is not None:
-        yield validation.section(content)
+        yield validation.section(content.validation)
     yield screening.section(content)
     yield provenance.section(content)
 
 
 def _part(environment: Environment, name: str) -> Markup:
     """A file of this folder as it is; ours, so nothing in it needs escaping."""
-    return Markup(environment.loader.get_source(environment, name)[0])
+    return Markup(_LOADER.get_source(environment, name)[0])
 
 
 def _parted(words: str) -> Markup:
@@ -102,7 +104,7 @@ def _parted(words: str) -> Markup:
     return Markup("_<wbr>").join(words.split("_"))
 
 
-def _json(data) -> Markup:
+def _json(data: object) -> Markup:
     """JSON that cannot end the script element that holds it."""
     text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
     for letter in "<>&\u2028\u2029":

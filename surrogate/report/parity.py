@@ -29,7 +29,7 @@ class Parity:
     @property
     def residual(self) -> np.ndarray:
         """Observed minus predicted."""
-        return self.observed - self.predicted
+        return np.asarray(self.observed - self.predicted)
 
 
 def parity(content: Content, fit: Fit, output: str) -> Parity:
@@ -86,7 +86,7 @@ def learnt_only_from(content: Content, design: str) -> list[str]:
     ]
 
 
-def _key(point) -> tuple:
+def _key(point: np.ndarray) -> tuple[float, ...]:
     return tuple(np.round(np.asarray(point, dtype=float), 9) + 0.0)
 
 

@@ -19,7 +19,9 @@ HIGHEST_START = 0.9
 OFF_SCALE, DISC = 54.0, 10.0
 
 
-def accuracy_plot(names: Sequence[str], q2_cv, q2_test, output: str) -> Markup:
+def accuracy_plot(
+    names: Sequence[str], q2_cv: Sequence[float], q2_test: Sequence[float], output: str
+) -> Markup:
     """A row a surrogate: cross-validated Q2 hollow, held-out Q2 filled, each (surrogate,).
 
     Values below 0 stand as numbers at the left end of the scale, beside a disc of their kind.

@@ -12,7 +12,14 @@ from surrogate.report.drawing import Panel, drawing, group, line, mark, path, sp
 
 
 def scatter_plot(
-    reference, model, half, labels: Sequence[str], slope: float, name: str, output: str, unit: str
+    reference: np.ndarray,
+    model: np.ndarray,
+    half: np.ndarray,
+    labels: Sequence[str],
+    slope: float,
+    name: str,
+    output: str,
+    unit: str,
 ) -> Markup:
     """Model over reference with the line of equality and the regression through the origin.
 
@@ -29,9 +36,9 @@ def scatter_plot(
     bars = [
         line(
             panel.x(x),
-            *panel.y(np.clip([y - h], *both)),
+            panel.y(float(np.clip(y - h, *both))),
             panel.x(x),
-            *panel.y(np.clip([y + h], *both)),
+            panel.y(float(np.clip(y + h, *both))),
             "bar",
         )
         for x, y, h in zip(reference, model, half, strict=True)
@@ -53,8 +60,8 @@ def scatter_plot(
 
 
 def difference_plot(
-    reference,
-    model,
+    reference: np.ndarray,
+    model: np.ndarray,
     labels: Sequence[str],
     figures: Mapping[str, float],
     name: str,

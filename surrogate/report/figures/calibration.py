@@ -10,7 +10,7 @@ from surrogate.report import digits
 from surrogate.report.drawing import Panel, drawing, line, mark, path
 
 
-def calibration_plot(level, observed, runs: int, what: str) -> Markup:
+def calibration_plot(level: np.ndarray, observed: np.ndarray, runs: int, what: str) -> Markup:
     """Observed coverage over the intervals' level, both shares, shape (k,).
 
     The band holds 95 % of the coverages that honest intervals would show on so many

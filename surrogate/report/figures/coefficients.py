@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from markupsafe import Markup
 
@@ -13,7 +15,14 @@ MOST = 30
 ROW = 20.0
 
 
-def coefficient_plot(terms, value, low, high, unit: str, surrogate: str) -> Markup:
+def coefficient_plot(
+    terms: Sequence[str],
+    value: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    unit: str,
+    surrogate: str,
+) -> Markup:
     """A row a term: coefficient and interval, in output units per coded unit.
 
     terms (k,) without the constant; value, low, high (k,), NaN where there is no
@@ -28,7 +37,7 @@ def coefficient_plot(terms, value, low, high, unit: str, surrogate: str) -> Mark
     for place, k in enumerate(order):
         marks.append(rows.name(place, terms[k]))
         marks.append(
-            _term(rows, place, terms[k], tuple(map(float, (value[k], low[k], high[k]))), unit)
+            _term(rows, place, terms[k], (float(value[k]), float(low[k]), float(high[k])), unit)
         )
     return drawing(
         WIDTH,

@@ -17,13 +17,13 @@ FINEST = 400
 
 
 def field_line(
-    x,
+    x: np.ndarray,
     curves: dict[str, np.ndarray],
     x_label: str,
     y_label: str,
     says: str,
     band: tuple[np.ndarray, np.ndarray] | None = None,
-    y_span=None,
+    y_span: tuple[float, float] | None = None,
 ) -> Markup:
     """Curves over one coordinate x (m,): class name -> (m,); `band` is (lower, upper)."""
     values = [*curves.values(), *(band or ())]
@@ -40,9 +40,9 @@ def field_line(
 
 
 def field_map(
-    x,
-    y,
-    values,
+    x: np.ndarray,
+    y: np.ndarray,
+    values: np.ndarray,
     x_label: str,
     y_label: str,
     label: str,
@@ -101,7 +101,7 @@ def _key(panel: Panel, low: float, high: float, label: str) -> Markup:
     return group(*marks)
 
 
-def _edges(places) -> tuple[float, float]:
+def _edges(places: np.ndarray) -> tuple[float, float]:
     """Ends of the cells whose middles these are."""
     places = np.asarray(places, dtype=float)
     if len(places) < 2:
@@ -111,15 +111,15 @@ def _edges(places) -> tuple[float, float]:
     return float(low - half), float(high + half)
 
 
-def _on_even_grid(x, y, values) -> np.ndarray:
+def _on_even_grid(x: np.ndarray, y: np.ndarray, values: np.ndarray) -> np.ndarray:
     """The values at the nearest given points of an even, rising grid."""
     rows, columns = _nearest(y), _nearest(x)
-    return values[np.ix_(rows, columns)]
+    return np.asarray(values[np.ix_(rows, columns)])
 
 
 def _nearest(places: np.ndarray) -> np.ndarray:
     even = np.linspace(places.min(), places.max(), min(len(places), FINEST))
-    return np.abs(places[None, :] - even[:, None]).argmin(axis=1)
+    return np.asarray(np.abs(places[None, :] - even[:, None]).argmin(axis=1))
 
 
 def _picture(share: np.ndarray) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from markupsafe import Markup
 
@@ -14,7 +16,9 @@ WRITTEN = 9
 PALEST_PEAK = 0.05
 
 
-def interaction_map(names, value, low, high, output: str) -> Markup:
+def interaction_map(
+    names: Sequence[str], value: np.ndarray, low: np.ndarray, high: np.ndarray, output: str
+) -> Markup:
     """Lower triangle of the pairs; value, low, high (parameter, parameter)."""
     count = len(names)
     left = label_room(names, 100.0)
@@ -61,7 +65,16 @@ def interaction_map(names, value, low, high, output: str) -> Markup:
     )
 
 
-def _square(x, y, width, height, written, peak, pair, numbers) -> Markup:
+def _square(
+    x: float,
+    y: float,
+    width: float,
+    height: float,
+    written: bool,
+    peak: float,
+    pair: str,
+    numbers: tuple[float, float, float],
+) -> Markup:
     value, low, high = map(float, numbers)
     known = np.isfinite(value)
     # Grey by the share of the largest pair: paper shows it as well as a screen does.

@@ -54,7 +54,7 @@ def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Marku
     )
 
 
-def _marks(panel: Panel, data: Parity, x, y, unit: str) -> list[Markup]:
+def _marks(panel: Panel, data: Parity, x: np.ndarray, y: np.ndarray, unit: str) -> list[Markup]:
     return [
         mark(
             "hollow" if data.learnt[k] else "filled",

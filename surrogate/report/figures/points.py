@@ -34,7 +34,14 @@ def mark_of(designs: list[str], design: str) -> str:
     return MARKS[min(designs.index(design), len(MARKS) - 1)]
 
 
-def points_plot(space: Space, coded, numbers, design, designs: list[str], ok) -> Markup:
+def points_plot(
+    space: Space,
+    coded: np.ndarray,
+    numbers: np.ndarray,
+    design: np.ndarray,
+    designs: list[str],
+    ok: np.ndarray,
+) -> Markup:
     """The points of all designs in coded values; failed runs as crosses.
 
     coded (run, parameter), numbers (run,), design (run,) words, ok (run,).
@@ -46,12 +53,12 @@ def points_plot(space: Space, coded, numbers, design, designs: list[str], ok) ->
         return _strips(space, coded, numbers, kinds)
     # The first design on top, for later ones often hold its points too; failed runs above all.
     order = sorted(
-        range(len(kinds)), key=lambda k: (kinds[k] == "cross", -designs.index(design[k]))
+        range(len(kinds)), key=lambda k: (kinds[k] == "cross", -designs.index(str(design[k])))
     )
-    return _pairs(space, coded[order], [numbers[k] for k in order], [kinds[k] for k in order])
+    return _pairs(space, coded[order], numbers[order], [kinds[k] for k in order])
 
 
-def _pairs(space: Space, coded, numbers, kinds) -> Markup:
+def _pairs(space: Space, coded: np.ndarray, numbers: np.ndarray, kinds: list[str]) -> Markup:
     """Lower triangle of panels; columns share an x parameter, rows a y parameter."""
     count = space.size
     left = label_room(space.names, 84.0)
@@ -96,7 +103,7 @@ def _below(name: str, x: float, floor: float, steep: bool) -> Markup:
     )
 
 
-def _pair(x: Scale, y: Scale, coded, numbers, kinds) -> Markup:
+def _pair(x: Scale, y: Scale, coded: np.ndarray, numbers: np.ndarray, kinds: list[str]) -> Markup:
     box = tag(
         "rect", x=x.start, y=y.end, width=x.end - x.start, height=y.start - y.end, class_="box"
     )
@@ -110,11 +117,11 @@ def _pair(x: Scale, y: Scale, coded, numbers, kinds) -> Markup:
     )
 
 
-def _point(x: Scale, y: Scale, point, number, kind: str, size: float) -> Markup:
+def _point(x: Scale, y: Scale, point: np.ndarray, number: object, kind: str, size: float) -> Markup:
     return mark(kind, x(point[0]), y(point[1]), size, data_run=number)
 
 
-def _strips(space: Space, coded, numbers, kinds) -> Markup:
+def _strips(space: Space, coded: np.ndarray, numbers: np.ndarray, kinds: list[str]) -> Markup:
     """One line a parameter from its lowest to its highest value, a mark a run.
 
     Runs stand a little above one another by their number, so that a design of two
@@ -143,7 +150,7 @@ def _strips(space: Space, coded, numbers, kinds) -> Markup:
 
 
 def _ends(parameter: Parameter) -> str:
-    if parameter.categorical:
+    if parameter.distribution is None:
         return f"{len(parameter.levels)} levels"
     lower, upper = parameter.distribution.support
     return labelled(f"{number(lower, 3)} to {number(upper, 3)}", parameter.unit)

@@ -64,7 +64,14 @@ def _curve(fit: Fit, space: Space, column: int) -> tuple[np.ndarray, np.ndarray]
     return mean, half
 
 
-def _draw(parameter: Parameter, mean, half, y_span, unit: str, output: str) -> Markup:
+def _draw(
+    parameter: Parameter,
+    mean: np.ndarray,
+    half: np.ndarray,
+    y_span: tuple[float, float],
+    unit: str,
+    output: str,
+) -> Markup:
     if parameter.categorical:
         return _draw_levels(parameter, mean, half, y_span, unit, output)
     physical = np.asarray(parameter.decode(sweep(parameter)), dtype=float)
@@ -90,7 +97,14 @@ def _draw(parameter: Parameter, mean, half, y_span, unit: str, output: str) -> M
     )
 
 
-def _draw_levels(parameter: Parameter, mean, half, y_span, unit: str, output: str) -> Markup:
+def _draw_levels(
+    parameter: Parameter,
+    mean: np.ndarray,
+    half: np.ndarray,
+    y_span: tuple[float, float],
+    unit: str,
+    output: str,
+) -> Markup:
     panel = Panel.within((-0.5, len(mean) - 0.5), y_span, width=WIDTH, height=HEIGHT)
     marks, bottom = [], panel.y.start
     room = (panel.x.end - panel.x.start) / len(mean)

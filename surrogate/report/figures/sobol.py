@@ -109,11 +109,13 @@ def part_bars(names: Sequence[str], total: Mapping[str, np.ndarray]) -> Markup:
 
 
 def share_plot(
-    names: Sequence[str], shares, total: Mapping[str, np.ndarray], freeze_below: float | None
+    names: Sequence[str],
+    shares: Sequence[float],
+    total: Mapping[str, np.ndarray],
+    freeze_below: float | None,
 ) -> Markup:
     """One-at-a-time share (square) beside the total index (disc with interval)."""
-    shares = np.asarray(shares, dtype=float)
-    order = np.argsort(-np.nan_to_num(shares, nan=-np.inf), kind="stable")
+    order = np.argsort(-np.nan_to_num(np.asarray(shares, dtype=float), nan=-np.inf), kind="stable")
     numbers = [float(v) for v in (*shares, *total["value"], *total["high"]) if np.isfinite(v)]
     rows = Rows.of(names, numbers, 26.0)
     marks = [rows.frame("share (–)")]

@@ -2,10 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+import xarray as xr
 
 from surrogate.report import digits
-from surrogate.report.blocks import Cell, Figure, Figures, Fold, Head, Heading, Table, Text, anchor
+from surrogate.report.blocks import (
+    Block,
+    Cell,
+    Figure,
+    Figures,
+    Fold,
+    Head,
+    Heading,
+    Table,
+    Text,
+    anchor,
+)
 from surrogate.report.content import POOR_Q2, Content
 from surrogate.report.figures.accuracy import accuracy_plot
 from surrogate.report.figures.calibration import calibration_plot
@@ -16,21 +30,22 @@ from surrogate.report.parity import Parity, parity, rows_learnt
 TEST = "test"
 
 
-def blocks(content: Content, output: str) -> list:
+def blocks(content: Content, output: str) -> list[Block]:
     """Comparison table, margin sentence, parity and residuals; nothing if none was asked for."""
     if not content.fits:
         return []
-    result: list = [Heading("Comparison of surrogates", anchor(output, "comparison"))]
+    result: list[Block] = [Heading("Comparison of surrogates", anchor(output, "comparison"))]
     names = list(content.fits_of(output))
     if not names:
         return [*result, Text("No surrogate could be fitted to these runs.", "warning")]
     if content.comparison is not None:
-        result += _comparison(content, output, names)
-    result += _parities(content, output, names)
+        result += _comparison(content, content.comparison, output, names)
+    best = content.best(output) or names[0]
+    result += _parities(content, output, best, [name for name in names if name != best])
     return result
 
 
-def _comparison(content: Content, output: str, names: list[str]) -> list:
+def _comparison(content: Content, table: xr.Dataset, output: str, names: list[str]) -> list[Block]:
     rows = {name: content.row(name, output) for name in names}
     cv = [rows[name].get("q2_cv", np.nan) for name in names]
     test = [rows[name].get("q2_test", np.nan) for name in names]
@@ -43,7 +58,7 @@ def _comparison(content: Content, output: str, names: list[str]) -> list:
                 f"runs. 1 is perfect; 0 is as good as the mean.{_off_scale(cv, test)}",
             )
         )
-    figures += _calibration(content, output)
+    figures += _calibration(content, table, output)
     sentence = margin(content, output)
     return [
         *([Text(sentence, "lead")] if sentence else []),
@@ -104,7 +119,7 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
     )
 
 
-def _off_scale(*scores) -> str:
+def _off_scale(*scores: Sequence[float]) -> str:
     """What the sign at the left end of the scale means, where it stands."""
     known = np.concatenate([np.asarray(column, dtype=float) for column in scores])
     return " ‹: value below the scale." if (known < 0.0).any() else ""
@@ -134,10 +149,10 @@ def margin(content: Content, output: str) -> str:
     return words[:1].upper() + words[1:]
 
 
-def _calibration(content: Content, output: str) -> list[Figure]:
+def _calibration(content: Content, table: xr.Dataset, output: str) -> list[Figure]:
     """Coverage of the best surrogate's intervals at each level, when known."""
-    best, table = content.best(output), content.comparison
-    if "coverage" not in table or not content.row(best, output):
+    best = content.best(output)
+    if best is None or "coverage" not in table or not content.row(best, output):
         return []
     observed = np.asarray(table["coverage"].sel(surrogate=best, output=output).values, float)
     if not np.isfinite(observed).any():
@@ -167,15 +182,13 @@ def _held_out(content: Content, output: str) -> int:
     return int((~np.any(seen, axis=0)).sum())
 
 
-def _parities(content: Content, output: str, names: list[str]) -> list:
-    best = content.best(output)
-    others = [name for name in names if name != best]
+def _parities(content: Content, output: str, best: str, others: list[str]) -> list[Block]:
     unit = content.unit(output)
     data = parity(content, content.fits_of(output)[best], output)
     if data.run.size == 0:
         return [Text("No finished run to compare predictions with.", "warning")]
     what = f"the mean of {output}" if content.is_field(output) else output
-    result: list = [
+    result: list[Block] = [
         Heading("Parity and residuals", anchor(output, "parity")),
         Figures(
             (

@@ -7,6 +7,7 @@ import numpy as np
 from surrogate.designs.aliasing import Aliasing
 from surrogate.report import digits
 from surrogate.report.blocks import (
+    Block,
     Cell,
     Figure,
     Figures,
@@ -29,7 +30,7 @@ SHAPES = {"filled": "filled disc", "hollow": "open disc", "square": "square", "d
 
 def section(content: Content) -> Section:
     """Counts, points, and the alias table of each fraction."""
-    blocks: list = [_counts(content), Figures((_points(content),))]
+    blocks: list[Block] = [_counts(content), Figures((_points(content),))]
     for design, aliasing in content.aliasing.items():
         blocks += _aliases(design, aliasing)
     return Section("designs", "Designs of experiments", tuple(blocks))
@@ -92,7 +93,7 @@ def _points(content: Content) -> Figure:
     )
 
 
-def _aliases(design: str, aliasing: Aliasing) -> list:
+def _aliases(design: str, aliasing: Aliasing) -> list[Block]:
     resolution = aliasing.resolution
     if resolution is None:
         return [Text(f"Design {design} is a full factorial: no effect is aliased.", "note")]

@@ -11,6 +11,7 @@ from surrogate.errors import FitError
 from surrogate.regressors.regression import nested
 from surrogate.report import digits
 from surrogate.report.blocks import (
+    Block,
     Cell,
     Figure,
     Figures,
@@ -42,9 +43,9 @@ LARGE_COOK, LARGE_STUDENTISED = 1.0, 3.0
 NAMED = 6
 
 
-def blocks(content: Content, output: str) -> list:
+def blocks(content: Content, output: str) -> list[Block]:
     """Regression tables, then response curves."""
-    result: list = []
+    result: list[Block] = []
     tables = {
         name: by_output[output]
         for name, by_output in content.regression.items()
@@ -68,7 +69,7 @@ def blocks(content: Content, output: str) -> list:
     return [*result, *_slices(content, output)]
 
 
-def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> list:
+def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> list[Block]:
     unit = content.unit(output)
     terms = [str(term) for term in table["term"].values]
     columns = {
@@ -76,7 +77,7 @@ def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> 
     }
     effects = [k for k, term in enumerate(terms) if term != "1"]
     said = [*sentences(table, unit), *influence(content, output, name, table)]
-    parts: list = [Points(tuple(said))]
+    parts: list[Block] = [Points(tuple(said))]
     known = [k for k in effects if np.isfinite(columns["coefficient"][k])]
     if known:
         more = f" The {MOST} largest of {len(known)}." if len(known) > MOST else ""
@@ -93,7 +94,9 @@ def _regression(content: Content, output: str, name: str, table: xr.Dataset) -> 
                     Figure(
                         coefficient_plot(
                             [printed(terms[k]) for k in known],
-                            *(columns[key][known] for key in ("coefficient", "low", "high")),
+                            columns["coefficient"][known],
+                            columns["low"][known],
+                            columns["high"][known],
                             unit,
                             name,
                         ),
@@ -257,7 +260,7 @@ def _equals(p: float) -> str:
     return words if words.startswith("<") else f"= {words}"
 
 
-def _slices(content: Content, output: str) -> list:
+def _slices(content: Content, output: str) -> list[Block]:
     best = content.best(output)
     if best is None:
         return []

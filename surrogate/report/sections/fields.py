@@ -6,19 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.blocks import Figure, Figures, Heading, Text, anchor
+from surrogate.report.blocks import Block, Figure, Figures, Heading, Text, anchor
 from surrogate.report.content import Content
 from surrogate.report.figures.fields import field_line, field_map
 from surrogate.report.parity import rows_learnt
 
 
-def blocks(content: Content, output: str) -> list:
+def blocks(content: Content, output: str) -> list[Block]:
     """Mean, standard deviation and Q2 at each point; nothing for a single number."""
     if not content.is_field(output):
         return []
-    result: list = [Heading("The field", anchor(output, "field"))]
+    result: list[Block] = [Heading("The field", anchor(output, "field"))]
     finished = content.finished(output)
     if not finished.any():
         return [*result, Text("No finished run has this field.", "warning")]
@@ -36,6 +37,10 @@ def blocks(content: Content, output: str) -> list:
     axes = [_axis(content.runs, dim) for dim in dims]
     draw = _lines if len(dims) == 1 else _maps
     return [*result, Figures(tuple(draw(content, output, values, judged(content, output), axes)))]
+
+
+#: Places along a dimension, and its label.
+Axis = tuple[np.ndarray, str]
 
 
 @dataclass(frozen=True)
@@ -98,7 +103,7 @@ def _q2(values: np.ndarray, predicted: np.ndarray) -> np.ndarray:
     return np.where(varies, 1.0 - wrong / np.where(varies, total, 1.0), np.nan)
 
 
-def _axis(runs: xr.Dataset, dim: str) -> tuple[np.ndarray, str]:
+def _axis(runs: xr.Dataset, dim: str) -> Axis:
     """Places along a dimension and its label; counted from 0 without numeric coordinates."""
     if dim in runs.coords and np.issubdtype(runs[dim].dtype, np.number):
         unit = runs[dim].attrs.get("units")
@@ -109,7 +114,9 @@ def _axis(runs: xr.Dataset, dim: str) -> tuple[np.ndarray, str]:
     return np.arange(runs.sizes[dim], dtype=float), f"{dim} (number)"
 
 
-def _lines(content, output, values, seen: Judged | None, axes) -> list[Figure]:
+def _lines(
+    content: Content, output: str, values: np.ndarray, seen: Judged | None, axes: list[Axis]
+) -> list[Figure]:
     ((x, x_label),) = axes
     label = digits.labelled(output, content.unit(output))
     mean, spread = values.mean(axis=0), values.std(axis=0)
@@ -151,11 +158,15 @@ def _lines(content, output, values, seen: Judged | None, axes) -> list[Figure]:
     ]
 
 
-def _maps(content, output, values, seen: Judged | None, axes) -> list[Figure]:
+def _maps(
+    content: Content, output: str, values: np.ndarray, seen: Judged | None, axes: list[Axis]
+) -> list[Figure]:
     (y, y_label), (x, x_label) = axes
     unit = digits.unit(content.unit(output)) or digits.NOTHING
 
-    def draw(field: np.ndarray, key: str, what: str, limits=None):
+    def draw(
+        field: np.ndarray, key: str, what: str, limits: tuple[float, float] | None = None
+    ) -> Markup:
         return field_map(x, y, field, x_label, y_label, key, f"{what} of {output}", limits=limits)
 
     figures = [

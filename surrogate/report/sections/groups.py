@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 
 from surrogate.report import digits
-from surrogate.report.blocks import Cell, Figure, Figures, Head, Table, Text
+from surrogate.report.blocks import Block, Cell, Figure, Figures, Head, Table, Text
 from surrogate.report.figures.sobol import SHARE, Bars, index_bars
-from surrogate.report.sections.measures import index, sort_key
+from surrogate.report.sections.measures import Index, index, sort_key
 
 #: Decimals of shares beyond which nobody reads.
 DECIMALS = 4
@@ -19,8 +19,11 @@ KNOWN = (
     ("group_total", "total index", "light"),
 )
 
+#: Title, kind of bar and values of what is told.
+Found = tuple[str, str, Index]
 
-def blocks(table: xr.Dataset, output: str, stamp: str) -> list:
+
+def blocks(table: xr.Dataset, output: str, stamp: str) -> list[Block]:
     """Bars and a table of the groups' shares of one output; nothing without groups."""
     if "group" not in table.dims:
         return []
@@ -72,7 +75,7 @@ def answer(table: xr.Dataset) -> tuple[str, str]:
     return groups[order[0]], f"{kind} of the groups: {told}."
 
 
-def _caption(table: xr.Dataset, found: list) -> str:
+def _caption(table: xr.Dataset, found: list[Found]) -> str:
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
     told = (
         "Shares of the groups"
@@ -83,7 +86,7 @@ def _caption(table: xr.Dataset, found: list) -> str:
     return f"{told}. Whiskers: {confidence} intervals."
 
 
-def _table(table: xr.Dataset, names: list[str], found: list) -> Table:
+def _table(table: xr.Dataset, names: list[str], found: list[Found]) -> Table:
     order = np.argsort(-np.nan_to_num(found[-1][2]["value"]), kind="stable")
     rows = tuple(
         (
@@ -101,7 +104,7 @@ def _table(table: xr.Dataset, names: list[str], found: list) -> Table:
     return Table("Groups of parameters.", heads, rows)
 
 
-def _number(values: dict, k: int) -> str:
+def _number(values: Index, k: int) -> str:
     return digits.with_interval(
         *(values[part][k] for part in ("value", "low", "high")), most=DECIMALS
     )

@@ -7,6 +7,7 @@ import xarray as xr
 
 from surrogate.report import digits
 from surrogate.report.blocks import (
+    Block,
     Cell,
     Figure,
     Figures,
@@ -21,7 +22,7 @@ from surrogate.report.content import Content
 from surrogate.report.figures.interactions import interaction_map
 from surrogate.report.figures.sobol import SHARE, Bars, index_bars, part_bars
 from surrogate.report.sections import groups, measures
-from surrogate.report.sections.measures import index, method_of, names_of, sort_key
+from surrogate.report.sections.measures import Index, index, method_of, names_of, sort_key
 
 #: Interactions listed by name.
 LISTED = 10
@@ -41,11 +42,12 @@ def of_output(content: Content, output: str) -> xr.Dataset | None:
 def refusal(content: Content, output: str) -> str:
     """Why the indices of this output are not to be trusted; empty when they are."""
     table = of_output(content, output)
-    told = table is not None and "refused" in table
-    return digits.squared(str(table["refused"].item())) if told else ""
+    if table is None or "refused" not in table:
+        return ""
+    return digits.squared(str(table["refused"].item()))
 
 
-def blocks(content: Content, output: str) -> list:
+def blocks(content: Content, output: str) -> list[Block]:
     """Bars, numbers, interactions."""
     title = Heading("Sensitivity", anchor(output, "sensitivity"))
     table = of_output(content, output)
@@ -66,7 +68,7 @@ def blocks(content: Content, output: str) -> list:
     return [title, *said, *shown, *grouped]
 
 
-def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list:
+def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list[Block]:
     names, first, total = names_of(table), index(table, "first_order"), index(table, "total")
     freeze_below = content.screening.freeze_below if content.screening else None
     series = [
@@ -113,7 +115,7 @@ def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list
     ]
 
 
-def _how(table: xr.Dataset, first: dict) -> str:
+def _how(table: xr.Dataset, first: Index) -> str:
     alone = float(np.clip(np.nansum(first["value"]), 0.0, 1.0))
     return (
         f"{method_of(table)} Main effects explain {digits.percent(alone)} of the variance, "
@@ -134,7 +136,7 @@ def _bars_caption(table: xr.Dataset, freeze_below: float | None) -> str:
     )
 
 
-def _parts_caption(table: xr.Dataset, total: dict) -> str:
+def _parts_caption(table: xr.Dataset, total: Index) -> str:
     told = str(table.attrs.get("surrogate_part", ""))
     how = told.partition(";")[0] + (" and its missed variance" if "missed variance" in told else "")
     exact = not np.nan_to_num(total["sampling"]).any()
@@ -145,7 +147,7 @@ def _parts_caption(table: xr.Dataset, total: dict) -> str:
     )
 
 
-def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Table:
+def _table(names: list[str], first: Index, total: Index, worst: np.ndarray) -> Table:
     order = np.argsort(-np.nan_to_num(total["value"], nan=-1.0), kind="stable")
     # A closed form has no sampling part, and a column of zeros would only take room.
     parts = _parts(first, total)
@@ -175,7 +177,7 @@ def _table(names: list[str], first: dict, total: dict, worst: np.ndarray) -> Tab
     )
 
 
-def _parts(*indices: dict) -> list[str]:
+def _parts(*indices: Index) -> list[str]:
     """Parts of the intervals that are more than rounding somewhere."""
     return [
         part
@@ -184,7 +186,7 @@ def _parts(*indices: dict) -> list[str]:
     ]
 
 
-def _numbers(values: dict, k: int, parts: list[str]) -> list[Cell]:
+def _numbers(values: Index, k: int, parts: list[str]) -> list[Cell]:
     whole = digits.with_interval(
         *(values[part][k] for part in ("value", "low", "high")), most=DECIMALS
     )
@@ -194,7 +196,7 @@ def _numbers(values: dict, k: int, parts: list[str]) -> list[Cell]:
     ]
 
 
-def _interactions(names: list[str], second: dict) -> Table:
+def _interactions(names: list[str], second: Index) -> Table:
     pairs = [
         (i, j) for i in range(len(names)) for j in range(i) if np.isfinite(second["value"][i, j])
     ]

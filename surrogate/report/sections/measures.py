@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.report import digits
-from surrogate.report.blocks import Cell, Figure, Figures, Head, Table, Text
+from surrogate.report.blocks import Block, Cell, Figure, Figures, Head, Table, Text
 from surrogate.report.figures.sobol import Bars, index_bars
 
 PARTS = ("low", "high", "sampling", "surrogate")
@@ -41,7 +41,11 @@ KNOWN = {
 }
 
 
-def index(table: xr.Dataset, name: str) -> dict[str, np.ndarray]:
+#: `value`, `low`, `high`, `sampling` and `surrogate` of an index.
+Index = dict[str, np.ndarray]
+
+
+def index(table: xr.Dataset, name: str) -> Index:
     """`value`, `low`, `high`, `sampling`, `surrogate` of an index, NaN where not stored."""
     value = np.asarray(table[name].values, dtype=float)
     parts = {
@@ -69,7 +73,7 @@ def measures_of(table: xr.Dataset) -> list[str]:
     ]
 
 
-def blocks(table: xr.Dataset, output: str, unit: str, stamp: str) -> list:
+def blocks(table: xr.Dataset, output: str, unit: str, stamp: str) -> list[Block]:
     """Bars and a table of each measure of one output."""
     names, found = names_of(table), measures_of(table)
     values = {name: index(table, name) for name in found}

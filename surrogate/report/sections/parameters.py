@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from surrogate.report import digits
-from surrogate.report.blocks import Cell, Section, Table, Text, heads
+from surrogate.report.blocks import Block, Cell, Section, Table, Text, heads
 from surrogate.report.content import Content
+from surrogate.space.distributions import Distribution
 from surrogate.space.space import Parameter
 
 
 def section(content: Content) -> Section:
     """Parameters with ranges, units and distributions; outputs with units."""
-    blocks = [_parameters(content)]
+    blocks: list[Block] = [_parameters(content)]
     if not content.space.independent:
         blocks.append(_correlation(content))
     blocks.append(_outputs(content))
@@ -39,7 +40,8 @@ def _parameters(content: Content) -> Table:
 def _row(parameter: Parameter, described: bool) -> tuple[Cell, ...]:
     unit = digits.unit(parameter.unit) or digits.NOTHING
     meaning = (Cell(parameter.description),) if described else ()
-    if parameter.categorical:
+    law = parameter.distribution
+    if law is None:
         kind = f"one of {digits.listing(parameter.levels)}"
         return (
             Cell(parameter.name),
@@ -49,19 +51,19 @@ def _row(parameter: Parameter, described: bool) -> tuple[Cell, ...]:
             Cell(kind),
             *meaning,
         )
-    lower, upper = parameter.distribution.support
+    lower, upper = law.support
     return (
         Cell(parameter.name),
         Cell(unit),
         Cell(digits.number(lower), lower),
         Cell(digits.number(upper), upper),
-        Cell(_law(parameter)),
+        Cell(_law(law)),
         *meaning,
     )
 
 
-def _law(parameter: Parameter) -> str:
-    words = dict(parameter.distribution.words)
+def _law(law: Distribution) -> str:
+    words = dict(law.words)
     name = words.pop("distribution")
     bounds = words.pop("range", None)
     written = ", ".join(f"{key} {digits.number(value)}" for key, value in words.items())

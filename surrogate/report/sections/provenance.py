@@ -7,7 +7,7 @@ import json
 import numpy as np
 
 from surrogate.report import digits
-from surrogate.report.blocks import Cell, Fold, Head, Listing, Section, Table, Text
+from surrogate.report.blocks import Block, Cell, Fold, Head, Listing, Section, Table, Text
 from surrogate.report.content import Content
 
 
@@ -17,7 +17,7 @@ def section(content: Content) -> Section:
     for key, value in content.runs.attrs.items():
         if key != "study":
             rows.append((Cell(str(key).replace("_", " ")), Cell(_words(value))))
-    blocks: list = [
+    blocks: list[Block] = [
         Table(
             "Solver, versions and seeds behind these numbers.",
             (Head("what", numeric=False), Head("value", numeric=False)),
@@ -46,7 +46,7 @@ def _cost(content: Content) -> list[tuple[Cell, ...]]:
     ]
 
 
-def _words(value) -> str:
+def _words(value: object) -> str:
     """An attribute as words; JSON objects become `name value` pairs."""
     text = str(value)
     try:

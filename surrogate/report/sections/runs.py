@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from textwrap import shorten
 
 import numpy as np
 
 from surrogate.report import digits
-from surrogate.report.blocks import Cell, Fold, Head, Section, Table, Text
+from surrogate.report.blocks import Block, Cell, Fold, Head, Section, Table, Text
 from surrogate.report.content import Content
 
 #: Longer tables start folded.
@@ -19,7 +20,7 @@ LONGEST = 120
 
 def section(content: Content) -> Section:
     """The failed runs with their messages, and the table of all runs."""
-    blocks: list = [Text(_count(content))]
+    blocks: list[Block] = [Text(_count(content))]
     if content.failed.any():
         blocks.append(_failures(content))
     count = len(content.ok)
@@ -130,7 +131,7 @@ def _status(word: str) -> Cell:
     return Cell(word.replace("_", " "), tone="" if word == "ok" else "bad")
 
 
-def _column(values, words) -> list[Cell]:
+def _column(values: np.ndarray, words: Sequence[str]) -> list[Cell]:
     values = np.asarray(values)
     if not np.issubdtype(values.dtype, np.number):
         return [Cell(str(word)) for word in words]

@@ -6,6 +6,7 @@ import numpy as np
 
 from surrogate.report import digits
 from surrogate.report.blocks import (
+    Block,
     Cell,
     Figure,
     Figures,
@@ -33,7 +34,9 @@ def section(content: Content) -> Section:
     title = "Screening"
     if decision is None:
         return Section("screening", title, (Text("No screening was asked for.", "note"),))
-    blocks = [Text(digits.squared(decision.refused), "warning")] if decision.refused else []
+    blocks: list[Block] = (
+        [Text(digits.squared(decision.refused), "warning")] if decision.refused else []
+    )
     blocks.append(Text(sentence(decision), "lead"))
     blocks += [Text(words, "note") for words in [_voters(content, decision)] if words]
     blocks.append(_verdicts(content, decision))
@@ -76,19 +79,15 @@ def _voters(content: Content, decision: Screening) -> str:
 
 
 def _verdicts(content: Content, decision: Screening) -> Table:
-    titles = (
+    titles = [
         "parameter",
         "decision",
         "total index",
         "worst case",
         "one-at-a-time share",
-        "93 % rule",
+        f"{digits.percent(decision.threshold)} rule",
         "why",
-    )
-    titles = tuple(
-        f"{digits.percent(decision.threshold)} rule" if word == "93 % rule" else word
-        for word in titles
-    )
+    ]
     rows = tuple(_row(content, verdict) for verdict in decision.verdicts)
     several = (
         f" Numbers are the largest over {digits.listing(decision.outputs)}."

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import xarray as xr
 
 from surrogate.report import digits
-from surrogate.report.blocks import Fact, Facts, Points, Section, Text
+from surrogate.report.blocks import Block, Fact, Facts, Points, Section, Text
 from surrogate.report.content import POOR_Q2, Content
 from surrogate.report.parity import learnt_only_from
 from surrogate.report.sections import groups, screening
@@ -26,7 +27,7 @@ POOR_COVERAGE = 0.8
 
 def section(content: Content) -> Section:
     """The question, an answer for each output, the decision, the warnings."""
-    blocks: list = []
+    blocks: list[Block] = []
     if content.about:
         blocks.append(Text(content.about, "lead"))
     blocks.append(Facts(tuple(_facts(content))))
@@ -50,14 +51,15 @@ def _facts(content: Content) -> list[Fact]:
     several = len(content.outputs) > 1
     for output in content.outputs:
         suffix = f" of {output}" if several else ""
-        if content.best(output) is not None:
-            facts.append(_best(content, output, suffix))
-        if of_output(content, output) is not None:
-            facts += [_matters(content, output), *_groups(content, output, suffix)]
+        best, table = content.best(output), of_output(content, output)
+        if best is not None:
+            facts.append(_best(content, best, output, suffix))
+        if table is not None:
+            facts += [_matters(content, table, output), *_groups(content, table, output, suffix)]
     if content.validation is not None:
         facts += [
             Fact("Closest model in validation" + (f": {output}" if several else ""), *words)
-            for output, *words in verdicts(content)
+            for output, *words in verdicts(content.validation)
         ]
     if content.screening is not None:
         facts.append(_frozen(content.screening))
@@ -78,8 +80,7 @@ def _asked(content: Content) -> Fact:
     )
 
 
-def _best(content: Content, output: str, suffix: str) -> Fact:
-    best = content.best(output)
+def _best(content: Content, best: str, output: str, suffix: str) -> Fact:
     row = content.row(best, output)
     unit = content.unit(output)
     held = np.isfinite(row.get("q2_test", np.nan))
@@ -119,12 +120,11 @@ def _spread(content: Content, output: str) -> float:
     return float(np.sqrt(np.mean(np.var(values, axis=0)))) if len(values) > 1 else 0.0
 
 
-def _matters(content: Content, output: str) -> Fact:
+def _matters(content: Content, table: xr.Dataset, output: str) -> Fact:
     title = "What matters most" + (f" to {output}" if len(content.outputs) > 1 else "")
     refused = refusal(content, output)
     if refused:
         return Fact(title, "not answered", refused)
-    table = of_output(content, output)
     leading = "total" if "total" in table else next(iter(measures_of(table)), "")
     if not leading:
         return Fact(title, "not known", method_of(table))
@@ -145,8 +145,7 @@ def _titled(measure: str, unit: str) -> str:
     return known.get(measure, digits.labelled(measure, unit) if unit else measure)
 
 
-def _groups(content: Content, output: str, suffix: str) -> list[Fact]:
-    table = of_output(content, output)
+def _groups(content: Content, table: xr.Dataset, output: str, suffix: str) -> list[Fact]:
     if "group" not in table.dims or refusal(content, output):
         return []
     return [Fact(f"Which group explains most of the variance{suffix}", *groups.answer(table))]
@@ -236,7 +235,7 @@ def _saturated(content: Content, output: str) -> list[str]:
     )
 
 
-def _no_freedom(table) -> bool:
+def _no_freedom(table: xr.Dataset) -> bool:
     if "df_residual" in table:
         return float(table["df_residual"]) == 0.0
     return not np.isfinite(float(table["residual_sd"])) if "residual_sd" in table else False

@@ -7,6 +7,7 @@ import xarray as xr
 
 from surrogate.report import digits
 from surrogate.report.blocks import (
+    Block,
     Cell,
     Figure,
     Figures,
@@ -19,7 +20,6 @@ from surrogate.report.blocks import (
     Text,
     anchor,
 )
-from surrogate.report.content import Content
 from surrogate.report.figures.agreement import difference_plot, scatter_plot
 
 #: From this many models on, drawings of all but the first ones are folded.
@@ -48,10 +48,9 @@ MEANING = (
 )
 
 
-def section(content: Content) -> Section:
+def section(data: xr.Dataset) -> Section:
     """Which cases, which were set aside, and for each output the figures and the plots."""
-    data = content.validation
-    blocks: list = [Text(_cases(data))]
+    blocks: list[Block] = [Text(_cases(data))]
     blocks += [Text(words, "lead") for words in _closest(data)]
     notes = [note for note in str(data.attrs.get("notes", "")).split("\n") if note]
     if notes:
@@ -132,11 +131,11 @@ def _best(data: xr.Dataset) -> list[tuple[str, str, dict[str, float]]]:
     return found
 
 
-def verdicts(content: Content) -> list[tuple[str, str, str]]:
+def verdicts(data: xr.Dataset) -> list[tuple[str, str, str]]:
     """(output, the closest model in a few words, how close) of each output with figures."""
     found = []
-    for output, best, row in _best(content.validation):
-        unit = str(content.validation["units"].sel(output=output).item())
+    for output, best, row in _best(data):
+        unit = str(data["units"].sel(output=output).item())
         limits = digits.interval(row["lower_limit"], row["upper_limit"])
         bias = digits.with_unit(digits.figure(row["bias"], 2), unit)
         found.append(
@@ -144,7 +143,7 @@ def verdicts(content: Content) -> list[tuple[str, str, str]]:
                 output,
                 f"{best}, bias {bias}",
                 (
-                    f"95 % limits of agreement with {content.validation.attrs['cases']}: "
+                    f"95 % limits of agreement with {data.attrs['cases']}: "
                     f"{digits.with_unit(limits, unit)} ({row['n']:.0f} cases)."
                 ),
             )
@@ -163,7 +162,7 @@ def _aside(data: xr.Dataset, rows: np.ndarray) -> Fold:
     return Fold(f"{digits.quantity(len(rows), 'case')} excluded", (table,), open=len(rows) <= 10)
 
 
-def _blocks(data: xr.Dataset, output: str) -> list:
+def _blocks(data: xr.Dataset, output: str) -> list[Block]:
     unit = str(data["units"].item())
     names = [name for name in data["model"].values.astype(str) if data["n"].sel(model=name) >= 1]
     heading = Heading(digits.labelled(output, unit), anchor("validation", output))
@@ -176,13 +175,10 @@ def _blocks(data: xr.Dataset, output: str) -> list:
             ),
         ]
     ranked = sorted(names, key=lambda name: float(data["rmse"].sel(model=name)))
-    figures = [
-        [Figure(*pair) for pair in _plots(data.sel(model=name), name, output, unit)]
-        for name in ranked
-    ]
+    figures = [_plots(data.sel(model=name), name, output, unit) for name in ranked]
     shown = [figure for pair in figures[:SHOWN] for figure in pair]
     how = "delta method" if "subject" in data else "noncentral t, exact for normal differences"
-    blocks = [
+    blocks: list[Block] = [
         heading,
         *_tables(data, names, ranked[0], unit),
         Figures(tuple(shown)),
@@ -270,7 +266,7 @@ def _interval(row: dict[str, float], key: str) -> str:
     return digits.with_interval(*(row[f"{key}{part}"] for part in ("", "_low", "_high")))
 
 
-def _plots(data: xr.Dataset, name: str, output: str, unit: str) -> list:
+def _plots(data: xr.Dataset, name: str, output: str, unit: str) -> list[Figure]:
     reference, model = data["reference"].values, data["prediction"].values
     known = data["inside"].values & np.isfinite(reference) & np.isfinite(model)
     reference, model = reference[known], model[known]
@@ -283,12 +279,12 @@ def _plots(data: xr.Dataset, name: str, output: str, unit: str) -> list:
     }
     bars = " Bars: 95 % prediction intervals, cut at the frame." if np.isfinite(half).any() else ""
     return [
-        (
+        Figure(
             scatter_plot(reference, model, half, labels, figures["slope"], name, output, unit),
             f"{name} against the reference. Dashed: equality; solid: regression through the "
             f"origin.{bars}",
         ),
-        (
+        Figure(
             difference_plot(reference, model, labels, figures, name, output, unit),
             f"{name} minus the reference, over the mean of both (Bland and Altman 1986). Solid: "
             "bias; dashed: limits of agreement; bands: their 95 % intervals.",
