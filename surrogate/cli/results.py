@@ -29,6 +29,7 @@ from surrogate.errors import FitError, ResultsError, StudyError, SurrogateError
 from surrogate.execution.execute import Progress
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
+from surrogate.runs.assembly import versions
 from surrogate.runs.files import write_text
 from surrogate.study.reduction import reduced_text
 from surrogate.study.study import Fits, Study
@@ -237,7 +238,7 @@ def _stamp(study: Study, runs: xr.Dataset, cases: Cases | None) -> str:
     models = study.validation.models if study.validation else {}
     digest.update(
         json.dumps(
-            [rundata.versions(), {name: spec.context for name, spec in models.items()}],
+            [versions(), {name: spec.context for name, spec in models.items()}],
             sort_keys=True,
         ).encode()
     )

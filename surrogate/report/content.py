@@ -10,7 +10,7 @@ import xarray as xr
 
 from surrogate.designs.aliasing import Aliasing
 from surrogate.fitting.fit import Fit
-from surrogate.runs.dataset import RESERVED_NAMES
+from surrogate.runs.names import RESERVED_NAMES
 from surrogate.sensitivity.screening import Screening
 from surrogate.space.space import Space
 

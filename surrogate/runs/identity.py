@@ -13,7 +13,7 @@ import hashlib
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -65,7 +65,7 @@ class SolverSpec:
     @property
     def plain_options(self) -> dict[str, Any]:
         """The options as JSON would give them back."""
-        return json.loads(canonical(self.options))
+        return dict(json.loads(canonical(self.options)))
 
     def wanted(self, names: Iterable[str] | None = None) -> dict[str, Output]:
         """The outputs called `names`, or all that the solver offers when None."""
@@ -109,11 +109,16 @@ def run_inputs(
         for name, value in {**nominal, **constants}.items()
         if name not in columns
     }
-    varied = [
-        [_value(name, inputs[name], value) for value in np.atleast_1d(column).tolist()]
-        for name, column in columns.items()
-    ]
+    varied = [_values(name, inputs[name], column) for name, column in columns.items()]
     return [{**fixed, **dict(zip(columns, row, strict=True))} for row in zip(*varied, strict=True)]
+
+
+def _values(name: str, one: Input, column: Any) -> list[float | str]:
+    """A column as the solver takes it; numbers all at once, because a column may be long."""
+    values = np.atleast_1d(column)
+    if not one.levels and values.dtype.kind in "iuf" and np.isfinite(values).all():
+        return list((values.astype(float) + 0.0).tolist())
+    return [_value(name, one, value) for value in values.tolist()]
 
 
 def _value(name: str, one: Input, value: Any) -> float | str:
@@ -138,10 +143,9 @@ def keys(spec: SolverSpec, calls: Iterable[RunInputs]) -> list[str]:
 def keys_in(context: str, calls: Iterable[RunInputs], deterministic: bool) -> list[str]:
     """Identity of each run of the solver that `context` describes (`SolverSpec.context`)."""
     start = hashlib.sha256(context.encode())
-    repeated = Counter()
+    repeated: Counter[str] = Counter()
     result = []
-    for call in calls:
-        text = json.dumps(call, sort_keys=True)
+    for text in _texts(calls):
         digest = start.copy()
         digest.update(text.encode())
         if not deterministic:
@@ -149,6 +153,23 @@ def keys_in(context: str, calls: Iterable[RunInputs], deterministic: bool) -> li
             repeated[text] += 1
         result.append(digest.hexdigest()[:32])
     return result
+
+
+def _texts(calls: Iterable[RunInputs]) -> Iterator[str]:
+    """`json.dumps(call, sort_keys=True)` of each call, from one pattern for equal names."""
+    names: list[str] = []
+    pattern = ""
+    for call in calls:
+        if not pattern or len(call) != len(names) or not all(name in call for name in names):
+            names = sorted(call)
+            parts = [json.dumps(name).replace("%", "%%") + ": %s" for name in names]
+            pattern = "{" + ", ".join(parts) + "}"
+        yield pattern % tuple([_text(call[name]) for name in names])
+
+
+def _text(value: float | str) -> str:
+    """The value as JSON writes it."""
+    return repr(value) if type(value) is float and value - value == 0.0 else json.dumps(value)
 
 
 def canonical(value: Any) -> str:

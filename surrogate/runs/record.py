@@ -4,7 +4,7 @@
 
 The checksum (CRC-32) is that of the line's bytes behind it, so a changed bit makes
 the record damaged and never another answer. Lines without one, which version 0.1.0
-wrote, are read too. Whatever else a line holds, it is damaged.
+wrote, are read too when their types are right. Whatever else a line holds, it is damaged.
 """
 
 from __future__ import annotations
@@ -80,11 +80,12 @@ def from_line(line: bytes) -> Record:
     """The record in a line; raises `ValueError` with a sentence part that says what is wrong."""
     line = line.rstrip(b"\r")
     summed = line.startswith(_SUM)
-    if summed and line[len(_SUM) : _BODY].lower() != b'%08x", ' % zlib.crc32(line[_BODY:]):
+    body = line[_BODY:] if summed else line
+    if summed and line[len(_SUM) : _BODY] != b'%08x", ' % zlib.crc32(body):
         raise ValueError("its checksum does not match")
     try:
-        record = Record(**json.loads(b"{" + line[_BODY:] if summed else line))
-        right = _well_typed(record)
+        record = Record(**json.loads(("{" if summed else "") + body.decode()))
+        right = summed or _well_typed(record)  # what passes its sum is as `to_line` wrote it
     except (ValueError, TypeError, LookupError, AttributeError, RecursionError, MemoryError):
         right = False
     if not right:

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -45,7 +46,7 @@ class StoredRuns:
     @property
     def context(self) -> str:
         """Solver, version and options as canonical JSON (`SolverSpec.context`)."""
-        return self.runs.attrs["identity"]
+        return str(self.runs.attrs["identity"])
 
     @cached_property
     def run_inputs(self) -> list[RunInputs]:
@@ -128,7 +129,7 @@ class StoredMatches:
         if name in record.outputs:
             return record.outputs[name]
         file, row = self.places[record.key]
-        return file.runs[name].values[row].astype(float)
+        return np.asarray(file.runs[name].values[row], dtype=float)
 
 
 def match(
@@ -241,14 +242,14 @@ def first_difference(
     return "each of its points differs from all points of the designs"
 
 
-def _meet(before: set, after: set) -> bool:
+def _meet(before: set[Any], after: set[Any]) -> bool:
     if before & after:
         return True
     numbers = [np.array([v for v in some if isinstance(v, float)]) for some in (before, after)]
     return bool((np.abs(numbers[0][:, None] - numbers[1]) <= SAME * np.abs(numbers[1])).any())
 
 
-def _said(values: set) -> str:
+def _said(values: set[Any]) -> str:
     """A few values one by one, more as a range."""
     if any(not isinstance(value, float) for value in values):
         return ", ".join(sorted("none" if value is None else str(value) for value in values))

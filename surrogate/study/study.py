@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
@@ -23,6 +24,7 @@ from surrogate.fitting.fit import Fit
 from surrogate.report import Content, Page, build
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
+from surrogate.runs.assembly import assemble, physical_columns
 from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
 from surrogate.runs.journal import read as read_journal
 from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
@@ -179,9 +181,12 @@ class Study:
     @cached_property
     def _calls(self) -> list[RunInputs]:
         """What the solver is called with, for each row of the runs dataset."""
-        return run_inputs(
-            self.spec, rundata.physical_columns(self.space, self.points), self.constants
-        )
+        return run_inputs(self.spec, physical_columns(self.space, self.points), self.constants)
+
+    @cached_property
+    def _keys(self) -> list[str]:
+        """The identity of each of these runs."""
+        return keys(self.spec, self._calls)
 
     @cached_property
     def _given(self) -> StoredMatches:
@@ -193,7 +198,7 @@ class Study:
             files,
             self.spec,
             self._calls,
-            keys(self.spec, self._calls),
+            self._keys,
             self.spec.wanted(self.outputs),
         )
 
@@ -206,7 +211,7 @@ class Study:
         here = self.with_kept_designs(results)
         contents = read_journal(self.journal(results))
         known = KnownRuns(contents, here._given, self.spec.wanted(self.outputs))
-        runs = rundata.assemble(
+        runs = assemble(
             self.space,
             here.points,
             self.spec,
@@ -219,9 +224,10 @@ class Study:
                 for name, design in self.designs.items()
                 if "seed" in design.options
             },
+            run_keys=here._keys,
         )
         return runs.assign_attrs(
-            stored=canonical(known.origins(keys(self.spec, here._calls))),
+            stored=canonical(known.origins(here._keys)),
             damaged=canonical(contents.told),
         )
 
@@ -276,7 +282,7 @@ class Study:
         carry_out = execute_fresh if fresh else execute
         carry_out(
             self.spec,
-            rundata.physical_columns(self.space, here.points),
+            physical_columns(self.space, here.points),
             journal=self.journal(results),
             constants=self.constants,
             outputs=self.outputs,
@@ -292,7 +298,7 @@ class Study:
 
     def _neighbours(self, results: Path | None) -> list[Path]:
         """Journals of other studies beside this one's results."""
-        own = self.journal(results).resolve()
+        own = Path(os.path.realpath(self.journal(results)))  # a loop of links is no error
         return [
             journal for journal in sorted(own.parent.parent.glob("*/journal")) if journal != own
         ]

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from surrogate.errors import StudyError, nearest
-from surrogate.runs import dataset as runs
 from surrogate.runs.identity import SolverSpec
+from surrogate.runs.names import name_mistakes
 from surrogate.solver import Input, Output, Solver
 from surrogate.space import laws, units
 from surrogate.space.distributions import UNBOUNDED, distribution
@@ -273,6 +273,6 @@ def outputs_of(reading: Reading, solver: Solver, space: Space | None) -> tuple[s
             )
     kept = {name: solver.outputs[name] for name in names if name in solver.outputs}
     if space is not None:
-        for sentence in runs.name_mistakes(space, kept):
+        for sentence in name_mistakes(space, kept):
             reading.wrong(sentence, "outputs", on_key=True)
     return tuple(kept)

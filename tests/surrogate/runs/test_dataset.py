@@ -13,6 +13,7 @@ from misbehaving import WAYS, Misbehaving, Noise
 
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution.execute import execute
+from surrogate.runs import assembly, names
 from surrogate.runs import dataset as rundata
 from surrogate.runs.identity import SolverSpec, keys, run_inputs
 from surrogate.runs.journal import JournalContents, read
@@ -36,14 +37,14 @@ TEST = np.array([[0.5, -1.0], [0.0, 1.0], [0.75, -1.0]])
 def folder(tmp_path_factory):
     """Journal of all points but the last one of the test design."""
     folder = tmp_path_factory.mktemp("journal")
-    columns = rundata.physical_columns(SPACE, {"train": TRAIN, "test": TEST[:2]})
+    columns = assembly.physical_columns(SPACE, {"train": TRAIN, "test": TEST[:2]})
     execute(SPEC, columns, constants={"offset": 3}, journal=folder, workers=2, timeout=1.0)
     return folder
 
 
 @pytest.fixture(scope="module")
 def runs(folder):
-    return rundata.assemble(
+    return assembly.assemble(
         SPACE,
         {"train": TRAIN, "test": TEST},
         SPEC,
@@ -129,15 +130,15 @@ def test_a_message_of_any_bytes_is_stored(tmp_path):
     """What a crashing program printed may hold NUL and broken UTF-8, which netCDF does not take."""
     space = Space((Parameter("x", uniform(0.0, 4.0)),))
     point = {"train": np.zeros((1, 1))}
-    (key,) = keys(SPEC, run_inputs(SPEC, rundata.physical_columns(space, point)))
+    (key,) = keys(SPEC, run_inputs(SPEC, assembly.physical_columns(space, point)))
     broken = Record(key, {}, "failed", "core\0dumped \udcff é", 0.0, 1, 0.0)
-    found = rundata.assemble(space, point, SPEC, JournalContents({key: broken}, tmp_path))
+    found = assembly.assemble(space, point, SPEC, JournalContents({key: broken}, tmp_path))
     rundata.save(found, tmp_path / "runs.nc")
     assert rundata.load(tmp_path / "runs.nc")["message"].values.tolist() == ["core?dumped ? é"]
 
 
 def test_a_dataset_in_which_nothing_ran_comes_back(tmp_path):
-    runs = rundata.assemble(SPACE, {"train": TRAIN}, SPEC, read(tmp_path))
+    runs = assembly.assemble(SPACE, {"train": TRAIN}, SPEC, read(tmp_path))
     rundata.save(runs, tmp_path / "runs.nc")
     assert rundata.load(tmp_path / "runs.nc").identical(runs)
     assert rundata.counts(runs) == {"ok": 0, "failed": 0, "timed_out": 0, "missing": 4}
@@ -153,7 +154,7 @@ def test_units_are_words_and_never_change_numbers(tmp_path, unit):
 
     execute(SPEC, {"x": [2.0]}, journal=tmp_path / "j", workers=1)
     space = Space((Parameter("x", distribution("normal", mean=2, std=1), unit=unit),))
-    runs = rundata.assemble(
+    runs = assembly.assemble(
         space, {"train": np.zeros((1, 1))}, SolverSpec("misbehaving", Timed), read(tmp_path / "j")
     )
     rundata.save(runs, tmp_path / "runs.nc")
@@ -175,7 +176,7 @@ def test_levels_keep_their_names(tmp_path):
         outputs = {"square": Output(dims=("place",), coordinates={"place": np.array(levels)})}
 
     coded = np.array([[0.0, -1.0], [0.0, 0.0], [0.0, 1.0]])
-    runs = rundata.assemble(space, {"train": coded}, SolverSpec("kinds", Kinds), read(tmp_path))
+    runs = assembly.assemble(space, {"train": coded}, SolverSpec("kinds", Kinds), read(tmp_path))
     rundata.save(runs, tmp_path / "runs.nc")
     back = rundata.load(tmp_path / "runs.nc")
     assert back["kind"].values.tolist() == back["place"].values.tolist() == list(levels)
@@ -262,8 +263,8 @@ def test_selects_and_counts(runs):
 def test_repetitions_of_a_stochastic_solver_are_rows_of_their_own(tmp_path):
     space, noise = Space((Parameter("x", uniform(0.0, 1.0)),)), SolverSpec("noise", Noise)
     designs = {"train": np.zeros((3, 1)), "test": np.zeros((2, 1))}
-    execute(noise, rundata.physical_columns(space, designs), journal=tmp_path, workers=2)
-    runs = rundata.assemble(space, designs, noise, read(tmp_path))
+    execute(noise, assembly.physical_columns(space, designs), journal=tmp_path, workers=2)
+    runs = assembly.assemble(space, designs, noise, read(tmp_path))
     assert len(set(runs["y"].values.tolist())) == 5
     assert runs.attrs["deterministic"] == "false"
 
@@ -279,7 +280,7 @@ def test_names_that_stand_for_two_things_are_mistakes():
             dims=("angle", "run"), coordinates={"angle": np.arange(4.0), "run": np.arange(2)}
         ),
     }
-    mistakes = rundata.name_mistakes(space, outputs)
+    mistakes = names.name_mistakes(space, outputs)
     for start in (
         "parameter 'status': the name is reserved",
         "output 'coded': the name is reserved",
@@ -290,10 +291,10 @@ def test_names_that_stand_for_two_things_are_mistakes():
     ):
         assert sum(mistake.startswith(start) for mistake in mistakes) == 1
     assert len(mistakes) == 6
-    assert rundata.name_mistakes(SPACE, Misbehaving.outputs) == []
+    assert names.name_mistakes(SPACE, Misbehaving.outputs) == []
 
     slashes = {"a/b": Output(dims=("r/z",), coordinates={"r/z": np.arange(2)})}
-    assert [m.partition(":")[0] for m in rundata.name_mistakes(SPACE, slashes)] == [
+    assert [m.partition(":")[0] for m in names.name_mistakes(SPACE, slashes)] == [
         "output 'a/b'",
         "dimension 'r/z'",
     ]
@@ -302,10 +303,10 @@ def test_names_that_stand_for_two_things_are_mistakes():
         outputs = {"message": Output()}
 
     with pytest.raises(StudyError, match="output 'message': the name is reserved"):
-        rundata.assemble(SPACE, {"train": TRAIN}, SolverSpec("clashing", Clashing), read("none"))
+        assembly.assemble(SPACE, {"train": TRAIN}, SolverSpec("clashing", Clashing), read("none"))
 
 
 def test_the_reserved_names_are_those_of_the_dataset(runs):
     own = {*SPACE.names, *Misbehaving.outputs, "place"}
-    assert set(runs.variables) | {"run"} == rundata.RESERVED_NAMES | own
+    assert set(runs.variables) | {"run"} == names.RESERVED_NAMES | own
     assert json.loads(runs.attrs["solver_options"]) == {} and "well" in WAYS
