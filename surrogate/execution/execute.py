@@ -101,14 +101,14 @@ def execute(
     asked = run_inputs(spec, columns, constants)
     runs = dict(zip(keys(spec, asked), asked, strict=True))
     with Journal(journal) as book:
-        known = KnownRuns(book.contents, given, tuple(wanted)).records
+        known = KnownRuns(book.contents, given, wanted).records
         missing = [key for key in runs if not _settled(known.get(key), wanted, timeout, rerun)]
         missing = _adopt(book, missing, wanted, others)
         queue = deque(Task(key, runs[key]) for key in missing)
         workers = min(workers or cores(), max(1, len(queue)))
         threads = threads or max(1, cores() // workers)
         tally = _Tally(Progress(len(runs)), workers, progress or (lambda _: None))
-        known = KnownRuns(book.contents, given, tuple(wanted)).records
+        known = KnownRuns(book.contents, given, wanted).records
         tally.start([known[key] for key in runs.keys() - set(missing)])
         if queue:
             with stop_on_signals() as stop:

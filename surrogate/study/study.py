@@ -164,7 +164,7 @@ class Study:
         """
         found = {}
         for name, coded in self.points.items():
-            columns = rundata.physical_columns(self.space, {name: coded})
+            columns = physical_columns(self.space, {name: coded})
             calls = run_inputs(self.spec, columns, self.constants)
             found[name] = broken(self.spec.solver, calls)
         return {name: counts for name, counts in found.items() if counts}

@@ -80,7 +80,7 @@ def test_report_and_prediction_without_a_run_before(place):
     study = write(place)
     done = analyse(study, place / "elsewhere")
     assert done.summary["stored"] == {"runs/shipped.nc": 13}
-    assert "13 of them were not run here but taken from runs/shipped.nc" in done.report.read_text()
+    assert "13 of them were read from runs/shipped.nc, not run here" in done.report.read_text()
     assert not (place / "elsewhere/journal").exists()
 
 
