@@ -34,6 +34,7 @@ def mistakes(options: Options, folder: Path, texts: Mapping[str, str]) -> Iterab
     for name, given in options.outputs.items():
         yield from _output_mistakes(name, given)
     yield from _file_mistakes(options, folder)
+    yield from _keep_mistakes(options.keep, folder)
     yield from _placeholder_mistakes(options, texts)
 
 
@@ -159,6 +160,12 @@ def _file_mistakes(options: Options, folder: Path) -> Iterable[str]:
         yield f"files: '{name}' is made from a template already"
     if isinstance(options.files, list) and len(copied) < len(options.files):
         yield "files: two of them have the same name; write name: path for each"
+
+
+def _keep_mistakes(keep: str | None, folder: Path) -> Iterable[str]:
+    """What is kept stays inside the study's folder, links followed."""
+    if keep is not None and not (folder / keep).resolve().is_relative_to(folder.resolve()):
+        yield f"keep: '{keep}' must lie inside the study's folder: a relative path without '..'"
 
 
 def _placeholder_mistakes(options: Options, texts: Mapping[str, str]) -> Iterable[str]:

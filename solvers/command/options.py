@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from surrogate.errors import StudyError, nearest
+from surrogate.errors import KeyPath, Mistake, StudyError, nearest
 from surrogate.solver import Input, Output
 from surrogate.space import units
 
@@ -109,7 +109,22 @@ def validated(given: Mapping[str, Any]) -> tuple[Options, list[str]]:
         try:
             return Options.model_validate(remaining), sentences
         except ValidationError:
-            raise StudyError(*sentences) from error
+            raise StudyError(*(placed(sentence, given) for sentence in sentences)) from error
+
+
+def placed(sentence: str, options: Mapping[str, Any]) -> Mistake:
+    """The sentence with the place that its first words, such as `outputs.y.csv:`, lead to."""
+    where, _, text = sentence.partition(": ")
+    return Mistake(_followed(where, options), sentence, on_key=text.startswith("is unknown"))
+
+
+def _followed(where: str, options: Any) -> KeyPath:
+    """Keys and indices of the options that a dotted name leads through."""
+    parts = dict(enumerate(options)) if isinstance(options, list | tuple) else options
+    for key, item in parts.items() if isinstance(parts, Mapping) else ():
+        if where == str(key) or where.startswith(f"{key}."):
+            return (key, *_followed(where[len(str(key)) + 1 :], item))
+    return ()
 
 
 def _remove(options: Any, place: tuple) -> None:

@@ -56,7 +56,7 @@ class Command:
     delimiters       around placeholders, for files that use {{ }} themselves
     exit_codes       exit statuses that mean success
     timeout          of one run, in s or with a unit (30 min): all processes of it are killed
-    keep             folder, relative to the study, in which working folders are kept
+    keep             folder inside the study's, in which working folders are kept
     program_version  any text; change it to tell that the program gives other answers now
     folder           the study's folder; the study fills it in
 
@@ -96,7 +96,7 @@ class Command:
         self.texts, unreadable = _texts(self.options.templates.values(), self.folder)
         mistakes += [*unreadable, *checks.mistakes(self.options, self.folder, self.texts)]
         if mistakes:
-            raise StudyError(*mistakes)
+            raise StudyError(*(settings.placed(sentence, given) for sentence in mistakes))
         self.timeout = settings.seconds(self.options.timeout)
         self.inputs = settings.inputs(self.options)
         self.outputs = settings.outputs(self.options)

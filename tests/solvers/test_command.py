@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from surrogate.errors import SolverError, StudyError
+from surrogate.study.study import Study
 from surrogate_solvers.command import Command, readers
 
 BEAM = """\
@@ -461,10 +462,14 @@ def test_all_mistakes_at_once(folder):
         ({"files": {"beam.inp": "beam.py"}}, "'beam.inp' is made from a template already"),
         ({"delimiters": ["", ""]}, "must be two different texts"),
         ({"delimiters": ["|", "|"]}, "must be two different texts"),
+        ({"keep": "../../kept"}, "keep: '../../kept' must lie inside the study's folder"),
+        ({"keep": "/tmp/kept"}, "keep: '/tmp/kept' must lie inside the study's folder"),
+        ({"keep": "away/kept"}, "keep: 'away/kept' must lie inside the study's folder"),
     ],
 )
 def test_mistakes(folder, changed, said):
     """One sentence each."""
+    (folder / "away").symlink_to(folder.parent)
     with pytest.raises(StudyError) as caught:
         beam(folder, **changed)
     assert said in "\n".join(caught.value.mistakes)
@@ -496,3 +501,40 @@ def test_picklable(folder):
 def test_numbers(text, value):
     """Fortran writes D for the exponent."""
     assert readers.number(text) == value
+
+
+PLACED = """\
+study: placed
+solver:
+  name: command
+  options:
+    command: echo {{ x }}
+    inputs: {x: {nominal: 1, rnage: [0, 2]}}
+    keep: ../../kept
+    outputs:
+      y: {regex: "(.*)"}
+      z:
+        unit: mm
+        json: {a: 1}
+      w:
+        csv:
+          column: 1
+          row: 0
+          skip: few
+parameters: {x: [0, 2]}
+designs: {train: {method: sobol, runs: 4}}
+"""
+
+
+def test_mistakes_in_a_study_stand_at_their_own_line_and_column():
+    """Each at the key or value itself, however deep inside of the options."""
+    with pytest.raises(StudyError) as caught:
+        Study.from_text(PLACED, "placed.yaml")
+    places = [sentence.split(" ")[:2] for sentence in caught.value.mistakes]
+    assert [place for place in places if "study" not in place[1]] == [
+        ["placed.yaml:6:30:", "inputs.x.rnage:"],
+        ["placed.yaml:7:11:", "keep:"],
+        ["placed.yaml:11:9:", "outputs.z:"],
+        ["placed.yaml:12:9:", "outputs.z.json:"],
+        ["placed.yaml:17:17:", "outputs.w.csv.skip:"],
+    ]
