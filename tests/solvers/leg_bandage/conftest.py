@@ -1,10 +1,59 @@
-"""What tests of the command `leg-bandage` share."""
+"""What tests of the bandage share: the command, and problems that are solved once in a session."""
 
 import sys
 
 import pytest
 
 from surrogate_solvers.leg_bandage import cli
+from surrogate_solvers.leg_bandage.plugin import LegBandage
+
+
+def pytest_collection_modifyitems(items):
+    """Tests that share solutions run in one process of pytest-xdist."""
+    for item in items:
+        if "solved_once" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.xdist_group("solved_once"))
+
+
+class Solutions:
+    """`LegBandage._solve` that solves equal problems once.
+
+    A problem is all that `_solve` takes: mesh, ends, skin, wrap, materials. That two solutions
+    of one problem agree to the last digit is a test of its own.
+    """
+
+    def __init__(self):
+        self._solve, self._solved = LegBandage._solve, {}
+
+    def __call__(self, solver, leg, wrap, material, wrapping):
+        key = (
+            *(solver.mesh, solver.ends, solver.solver, wrap, material, wrapping),
+            *(leg.length, leg.coefficients.tobytes(), leg.centre.tobytes()),
+            *(leg.below, leg.above, leg.trend),
+        )
+        if key not in self._solved:
+            model, u = self._solve(solver, leg, wrap, material, wrapping)
+            self._solved[key] = model, u, model.problem.state()
+        model, u, state = self._solved[key]
+        model.problem.restore(state)
+        return model, u
+
+
+@pytest.fixture(scope="session")
+def _solutions():
+    return Solutions()
+
+
+@pytest.fixture
+def solved_once(_solutions, monkeypatch):
+    """`LegBandage` takes the solutions of equal problems from earlier tests."""
+    monkeypatch.setattr(LegBandage, "_solve", lambda self, *problem: _solutions(self, *problem))
+
+
+@pytest.fixture
+def result(solved_once):
+    """One coarse run on the mean leg."""
+    return LegBandage(mesh="coarse").run()
 
 
 @pytest.fixture

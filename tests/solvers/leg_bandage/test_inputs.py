@@ -22,26 +22,18 @@ from surrogate_solvers.leg_bandage.parameters import INPUTS, complete, shapes_in
 from surrogate_solvers.leg_bandage.plugin import LegBandage
 
 
-@pytest.fixture(scope="module")
-def result():
-    """One coarse run on the mean leg."""
-    return LegBandage(mesh="coarse").run()
-
-
-@pytest.fixture(scope="module")
-def moved():
-    """The same with the sensor 6 mm around and 8 mm up: 10 mm from B1."""
-    return LegBandage(mesh="coarse").run(sensor_around=6.0, sensor_up=8.0)
-
-
 def test_the_declarations_keep_the_contract():
     """Units, ranges, levels and names, without a run."""
     check_solver(LegBandage(), runs=0)
     check_solver(LegBandage(fabric="biflex_17"), runs=0)
 
 
-def test_a_moved_sensor_reads_the_same_field_elsewhere(result, moved):
-    """The mechanics does not feel the sensor: only what hangs on its place differs."""
+def test_a_moved_sensor_reads_the_same_field_elsewhere(result):
+    """The mechanics does not feel the sensor: only what hangs on its place differs.
+
+    It lies 6 mm around and 8 mm up, 10 mm from B1.
+    """
+    moved = LegBandage(mesh="coarse").run(sensor_around=6.0, sensor_up=8.0)
     leg, values = result.leg, result.values
     sensor = Disc(MEDIAL, b1_height(leg)).moved(leg, 6.0, 8.0)
     expected, _ = on_disc(pressure_map(result.model, result.u), leg, sensor)

@@ -46,7 +46,7 @@ def test_the_shipped_legs_are_levels():
         solver(leg="patient_7")
 
 
-def test_a_patient_is_a_run_on_its_own_sections():
+def test_a_patient_is_a_run_on_its_own_sections(solved_once):
     """The pressure is `LegBandage.run(leg)`'s; what is told of the leg is the basis's word.
 
     Told: equation 10, T = K1 (stretch - 1); coordinates by projection; the error over the
