@@ -113,6 +113,8 @@ def answers_drawn(told: Prediction, width: int = 400) -> str:
         for leg, words in (("scanned", "scan"), ("fitted", "modes"))
         if told.laplace[leg] is not None
     ]
+    if told.tape is not None:
+        lines.append(("Laplace, tape", told.tape, None, None, "hollow"))
     numbers = [x for _, *three, _ in lines for x in three if x is not None]
     spread = max(numbers) - min(numbers) or 1.0
     low, high = max(min(numbers) - 0.06 * spread, 0.0), max(numbers) + 0.06 * spread

@@ -21,7 +21,7 @@ from ..scan import FittedScan
 from .bandage_choice import BandageChoice
 from .interval import Part, joined, parts_of
 from .reduced import Reduced
-from .shape_correction import by_laplace_if_it_can, shape_law
+from .shape_correction import by_laplace_if_it_can, by_tape, shape_law
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,9 @@ class Prediction:
     parts             what the interval is made of
     inputs            of the reduced model
     outside           name -> (value, low, high) of inputs beyond the runs it is learnt from
-    laplace           mmHg by Laplace's law on the `scanned` and the `fitted` leg; None without B1
+    laplace           mmHg by Laplace's law, curvature under the sensor, on the `scanned` and the
+                      `fitted` leg; None without B1
+    tape              mmHg by Laplace's law on the girth of the scan at B1; None without B1
     solved            None unless asked for
     unsolved          why the finite element model has no answer; empty if it has, or was not asked
     """
@@ -75,6 +77,7 @@ class Prediction:
     inputs: Mapping[str, float]
     outside: Mapping[str, tuple[float, float, float]]
     laplace: Mapping[str, float | None]
+    tape: float | None
     solved: Solved | None
     unsolved: str
 
@@ -122,6 +125,7 @@ def predict_pressure(
         inputs,
         outside,
         laplace,
+        by_tape(scan.scanned, choice.effective_tension),
         solved,
         unsolved,
     )

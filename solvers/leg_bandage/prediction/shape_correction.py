@@ -23,9 +23,10 @@ import numpy as np
 
 from surrogate.errors import SolverError
 
-from ...laplace import laplace_b1
+from ...laplace import laplace_b1, laplace_tape
 from ..geometry.basis import shipped_basis
 from ..geometry.cohort import DATA, load_cohort
+from ..geometry.landmarks import b1_height
 from ..geometry.leg import Leg
 
 
@@ -97,5 +98,13 @@ def by_laplace_if_it_can(leg: Leg, tension: float) -> float | None:
     """The same; None for a leg without B1, or hollow all under the sensor."""
     try:
         return by_laplace(leg, tension)
+    except SolverError:
+        return None
+
+
+def by_tape(leg: Leg, tension: float) -> float | None:
+    """mmHg by Laplace's law on the girth at B1, two layers; None for a leg without B1."""
+    try:
+        return laplace_tape(float(leg.girth(b1_height(leg))), tension)
     except SolverError:
         return None

@@ -45,7 +45,7 @@ def figures(told: Prediction) -> dict[str, Any]:
             name: dict(zip(("value", "low", "high"), place, strict=True))
             for name, place in told.outside.items()
         },
-        "laplace": dict(told.laplace),
+        "laplace": {**told.laplace, "tape": told.tape},
         "solved": None
         if solved is None
         else {"mesh": solved.mesh, "value": solved.value, "seconds": solved.seconds},
@@ -78,9 +78,13 @@ def answers(told: Prediction) -> list[Row]:
             )
         )
     for leg, words in (("scanned", OWN), ("fitted", MODES)):
-        value = told.laplace[leg]
-        rows.append(("Laplace's law", "none" if value is None else f"{value:.1f}", "", words))
+        rows.append(("Laplace, curvature at B1", _mmhg(told.laplace[leg]), "", words))
+    rows.append(("Laplace, tape measure", _mmhg(told.tape), "", OWN))
     return rows
+
+
+def _mmhg(value: float | None) -> str:
+    return "none" if value is None else f"{value:.1f}"
 
 
 def parts(told: Prediction) -> list[tuple[str, str, str]]:

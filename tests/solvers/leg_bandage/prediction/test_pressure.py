@@ -15,7 +15,7 @@ from surrogate import Study
 from surrogate.errors import ResultsError, SolverError, StudyError
 from surrogate.runs import stored
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
-from surrogate_solvers.leg_bandage.geometry.landmarks import sensor
+from surrogate_solvers.leg_bandage.geometry.landmarks import b1_height, sensor
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
 from surrogate_solvers.leg_bandage.prediction import (
     BandageChoiceError,
@@ -174,6 +174,27 @@ def test_laplace_is_n_T_mean_curvature(told, scan):
     )
 
 
+def test_laplace_by_tape_is_n_T_over_the_radius_of_the_girth(told, scan):
+    """2 T 2 pi / girth at B1; on a circular section both ways of Laplace's law agree."""
+    girth = scan.scanned.girth(b1_height(scan.scanned))
+    tension = told.choice.effective_tension
+    assert told.tape == pytest.approx(2 * tension * 2 * np.pi / girth / 1.33322e-4, rel=1e-12)
+    heights = np.linspace(0, 200.0, 100)
+    coefficients = np.zeros((100, 11))
+    coefficients[:, 0] = 35 + 0.1 * heights
+    cone = Leg.from_sections(200.0, coefficients, np.zeros((100, 2)))
+    both = shape_correction.by_tape(cone, 0.1), shape_correction.by_laplace(cone, 0.1)
+    assert both[0] == pytest.approx(both[1], rel=0.005)
+    legs = [own for own, _ in map(shape_correction.both_ways, range(0, 38, 4))]
+    ratio = [
+        shape_correction.by_tape(leg, 0.1) / shape_correction.by_laplace(leg) / 0.1 for leg in legs
+    ]
+    assert min(ratio) > 1 and 1.15 < np.median(ratio) < 1.4
+    coefficients[:, 0] = 35
+    cylinder = Leg.from_sections(200.0, coefficients, np.zeros((100, 2)))
+    assert shape_correction.by_tape(cylinder, 0.1) is None
+
+
 def test_shape_law():
     """Left-out legs are missed less with the correction than without it, as PREDICTION.md says.
 
@@ -314,13 +335,16 @@ def test_command_for_people_and_scripts(command, scan_file, study, told, tmp_pat
     status, out, err = command(*words)
     assert (status, err) == (0, "")
     assert re.search(rf"reduced model +{told.value:.1f} +{told.low:.1f} \.\. {told.high:.1f}", out)
+    assert re.search(rf"Laplace, tape measure +{told.tape:.1f} ", out)
+    assert re.search(rf"Laplace, curvature at B1 +{told.laplace['scanned']:.1f} ", out)
     assert re.search(r"friction +-2\.\d / \+2\.\d +mu_skin anywhere between", out)
     status, out, _ = command(*words, "--json", "--html", page)
     found = json.loads(out)
     assert status == 0 and found["extrapolates"] is False and found["solved"] is None
     assert found["pressure_b1"]["value"] == pytest.approx(told.value)
-    assert found["laplace"] == pytest.approx(told.laplace)
+    assert found["laplace"] == pytest.approx({**told.laplace, "tape": told.tape})
     text = page.read_text(encoding="utf-8")
+    assert "Laplace, tape measure" in text and "Laplace, tape" in text
     assert "default-src 'none'" in text and f"<strong>{told.value:.1f} mmHg</strong>" in text
     assert not re.search(r"https?://|\bsrc=|<link|@import|\bfetch\(", text)
     data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.S)[1])
