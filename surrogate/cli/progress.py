@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn
 
 from surrogate.execution.execute import Progress as Tally
 
@@ -27,13 +27,14 @@ class RunsBar:
             refresh_per_second=5,
             disable=not self.console.is_terminal,
         )
-        self.task = None
+        self.task: TaskID | None = None
         self.tenth = -1
+        self.finishing = False
 
     def __enter__(self) -> RunsBar:
         return self
 
-    def __exit__(self, *error) -> None:
+    def __exit__(self, *error: object) -> None:
         self.bar.stop()
 
     def __call__(self, tally: Tally) -> None:
@@ -42,10 +43,25 @@ class RunsBar:
             self.task = self.bar.add_task("runs", total=tally.total, note="")
             self.bar.start()
         self.bar.update(self.task, completed=tally.done, note=_note(tally))
+        if tally.finishing is not None and not self.finishing:
+            self.finishing = True
+            self.bar.console.print(
+                f"stopping: {_waited_for(tally.finishing)}; press Ctrl-C again to stop at once",
+                soft_wrap=True,
+                highlight=False,
+            )
         tenth = 10 * tally.done // max(tally.total, 1)
         if self.bar.disable and tenth != self.tenth:
             self.tenth = tenth
             print(f"{tally.done}/{tally.total} runs {_note(tally)}".rstrip(), file=sys.stderr)
+
+
+def _waited_for(runs: int) -> str:
+    return (
+        "the run under way is finished first"
+        if runs == 1
+        else (f"the {runs} runs under way are finished first")
+    )
 
 
 def _note(tally: Tally) -> str:

@@ -351,3 +351,18 @@ def test_a_second_ctrl_c_stops_at_once(tmp_path, program):
     assert running.returncode == 130
     assert out == "stopped: 0 of 3 runs are done and kept; run again to go on\n"
     assert all(map(ended, written(diary)))
+
+
+# The start
+
+
+def test_a_worker_imports_numpy_and_the_solver_only():
+    """Heavier packages would cost each worker a second of its processor."""
+    imports = (
+        "import sys, surrogate.execution.workers, surrogate.study.solver_factory, "
+        "surrogate_solvers.textbook; print(*sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", imports], capture_output=True, text=True)
+    loaded = {name.partition(".")[0] for name in done.stdout.split()}
+    assert "numpy" in loaded
+    assert not loaded & {"scipy", "xarray", "pandas", "pydantic", "pint", "yaml", "sklearn"}
