@@ -31,8 +31,8 @@ def mistakes(options: Options, folder: Path, texts: Mapping[str, str]) -> Iterab
     yield from _timeout_mistakes(options.timeout)
     for name, given in options.inputs.items():
         yield from _input_mistakes(name, given)
-    for name, given in options.outputs.items():
-        yield from _output_mistakes(name, given)
+    for name, output in options.outputs.items():
+        yield from _output_mistakes(name, output)
     yield from _file_mistakes(options, folder)
     yield from _keep_mistakes(options.keep, folder)
     yield from _placeholder_mistakes(options, texts)
@@ -94,17 +94,16 @@ def _output_mistakes(name: str, given: OutputOptions) -> Iterable[str]:
     where = f"outputs.{name}"
     yield from _unit_mistakes(where, given.unit)
     readers = [
-        reader
-        for reader in ("regex", "pointer", "csv", "table")
-        if getattr(given, reader) is not None
+        word for word in ("regex", "pointer", "csv", "table") if getattr(given, word) is not None
     ]
     if len(readers) != 1:
         yield f"{where}: give one of regex, pointer, csv and table ({len(readers)} given)"
     yield from _regex_mistakes(where, given.regex)
     if given.pointer and not given.pointer.startswith("/"):
         yield f"{where}.pointer: '{given.pointer}' must start with /, such as /result/0/value"
-    for reader in filter(None, (given.csv, given.table)):
-        yield from _column_mistakes(where, reader, bool(given.dims))
+    for reader in (given.csv, given.table):
+        if reader is not None:
+            yield from _column_mistakes(where, reader, bool(given.dims))
     for dim, coordinates in given.dims.items():
         if not dim.isidentifier() or dim == name:
             yield f"{where}.dims: '{dim}' must be a name of its own, of letters, digits and _"

@@ -127,7 +127,7 @@ def _followed(where: str, options: Any) -> KeyPath:
     return ()
 
 
-def _remove(options: Any, place: tuple) -> None:
+def _remove(options: Any, place: tuple[Any, ...]) -> None:
     for part in place[:-1]:
         options = options.get(part) if isinstance(options, dict) else None
     if isinstance(options, dict):
@@ -137,7 +137,12 @@ def _remove(options: Any, place: tuple) -> None:
 def _sentence(error: Mapping[str, Any]) -> str:
     where = ".".join(map(str, _place(error)))
     if error["type"] == "extra_forbidden":
-        allowed = {"inputs": InputOptions, "outputs": OutputOptions, "csv": Csv, "table": Table}
+        allowed: dict[Any, type[BaseModel]] = {
+            "inputs": InputOptions,
+            "outputs": OutputOptions,
+            "csv": Csv,
+            "table": Table,
+        }
         model = next((allowed[part] for part in reversed(error["loc"]) if part in allowed), Options)
         return f"{where}: is unknown; {nearest(str(error['loc'][-1]), model.model_fields)}"
     if error["type"] == "missing":

@@ -1,7 +1,7 @@
 """One run of an external program, with nothing left behind.
 
-The program and all that it starts form a process group of their own, which is killed when
-the time is over, when the program has ended, and when this process dies (see supervisor.py).
+A supervisor runs the program and ends all that it started: when the program has ended,
+when the time is over, and when this process dies (see supervisor.py).
 """
 
 from __future__ import annotations
@@ -10,64 +10,87 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from . import written
+
 STDOUT, STDERR = "stdout.txt", "stderr.txt"
 SUPERVISOR = Path(__file__).with_name("supervisor.py")
-#: Lines of each stream, and characters in all, that an error message repeats.
-LAST_LINES, LAST_CHARACTERS = 8, 1500
+#: Lines of each stream, and bytes in all, that an error message repeats.
+LAST_LINES, LAST_BYTES = 8, 1500
+#: Seconds between two looks at the clock. More than twice that between two of them means
+#: that nothing ran (a suspended laptop, a stopped job): it does not count.
+TICK = 0.2
+#: Seconds that the supervisor may take to end a program.
+PATIENCE = 10.0
 
 
-def run(arguments: Sequence[str], folder: Path, timeout: float | None) -> int | None:
+def run(
+    arguments: Sequence[str], folder: Path, timeout: float | None, temporary: bool = False
+) -> int | None:
     """Run the program in `folder` until it ends; its exit status, None when out of time.
 
     timeout: seconds, None for any. What it prints goes to stdout.txt and stderr.txt in
-    `folder`; it has no standard input.
+    `folder`; it has no standard input. temporary: the folder goes when this process dies.
     """
     with open(folder / STDOUT, "wb") as out, open(folder / STDERR, "wb") as err:
-        process, lifeline = _start(
-            arguments, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err
-        )
+        if not hasattr(os, "killpg"):
+            with subprocess.Popen(
+                arguments, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err
+            ) as process:
+                try:
+                    return _wait(process, timeout)
+                finally:
+                    process.kill()
+        ours, lifeline = os.pipe()
         try:
-            return process.wait(timeout)
-        except subprocess.TimeoutExpired:
-            return None
+            process = subprocess.Popen(
+                [
+                    *(sys.executable, "-I", "-S", str(SUPERVISOR), str(ours)),
+                    *(str(folder) if temporary else "", *arguments),
+                ],
+                cwd=folder,
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=err,
+                pass_fds=[ours],
+                process_group=0,
+            )
+            os.close(ours)
+            try:
+                return _wait(process, timeout)
+            finally:
+                _end(process, lifeline)
         finally:
-            _kill(process)
-            process.wait()
-            if lifeline is not None:
-                os.close(lifeline)
+            os.close(lifeline)
 
 
-def _start(arguments: Sequence[str], **options) -> tuple[subprocess.Popen, int | None]:
-    """The process and the writing end of the pipe by which it notices our death."""
-    if not hasattr(os, "killpg"):
-        return subprocess.Popen(arguments, **options), None
-    ours, lifeline = os.pipe()
+def _wait(process: subprocess.Popen[bytes], timeout: float | None) -> int | None:
+    if timeout is None:
+        return process.wait()
+    while timeout > 0:
+        start = time.monotonic()
+        try:
+            return process.wait(min(timeout, TICK))
+        except subprocess.TimeoutExpired:
+            step = time.monotonic() - start
+            timeout -= step if step <= 2 * TICK else TICK
+    return None
+
+
+def _end(supervisor: subprocess.Popen[bytes], lifeline: int) -> None:
+    """Let the supervisor end the program, if it has not ended; without it if need be."""
+    with suppress(BrokenPipeError):
+        os.write(lifeline, b".")
     try:
-        process = subprocess.Popen(
-            [sys.executable, "-I", "-S", str(SUPERVISOR), str(ours), *arguments],
-            pass_fds=[ours],
-            process_group=0,
-            **options,
-        )
-    except OSError:
-        os.close(lifeline)
-        raise
-    finally:
-        os.close(ours)
-    return process, lifeline
-
-
-def _kill(process: subprocess.Popen) -> None:
-    """Kill what is left of the group; its leader may have ended already."""
-    if hasattr(os, "killpg"):
+        supervisor.wait(PATIENCE)
+    except subprocess.TimeoutExpired:
         with suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, signal.SIGKILL)
-    else:
-        process.kill()
+            os.killpg(supervisor.pid, signal.SIGKILL)
+        supervisor.wait()
 
 
 def status_text(status: int) -> str:
@@ -82,13 +105,7 @@ def last_words(folder: Path) -> str:
     """The last lines that the program printed, stderr first; empty when it printed nothing."""
     said = []
     for name in (STDERR, STDOUT):
-        lines = _tail(folder / name).splitlines()[-LAST_LINES:]
-        said += [f"  {name.removesuffix('.txt')}: {line}" for line in lines if line.strip()]
+        with suppress(written.Unfit, OSError):
+            lines = written.tail(folder / name, LAST_BYTES).splitlines()[-LAST_LINES:]
+            said += [f"  {name.removesuffix('.txt')}: {line}" for line in lines if line.strip()]
     return "\n".join(said)
-
-
-def _tail(path: Path) -> str:
-    with open(path, "rb") as stream:
-        stream.seek(0, os.SEEK_END)
-        stream.seek(max(0, stream.tell() - LAST_CHARACTERS))
-        return stream.read().decode(errors="replace")

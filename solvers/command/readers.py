@@ -35,7 +35,7 @@ def by_pointer(text: str, pointer: str) -> list[float]:
     """The number, or all numbers of the nested lists, at a JSON pointer (RFC 6901)."""
     try:
         place = json.loads(text)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise Unreadable(f"it is not JSON ({error})") from error
     for step in pointer.split("/")[1:]:
         place = _inside(place, step.replace("~1", "/").replace("~0", "~"), pointer)

@@ -24,7 +24,7 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -34,7 +34,7 @@ import numpy as np
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Input
 
-from . import checks, process, readers
+from . import checks, process, readers, written
 from . import options as settings
 from . import templates as placeholders
 from .options import OutputOptions
@@ -109,7 +109,7 @@ class Command:
         with self._working_folder(values) as place:
             words = self._prepare(place, values)
             try:
-                status = process.run(words, place, self.timeout)
+                status = process.run(words, place, self.timeout, self.options.keep is None)
             except OSError as error:
                 raise SolverError(f"{words[0]} cannot be started: {error.strerror}") from error
             if status is None:
@@ -138,10 +138,10 @@ class Command:
         for name in inputs:
             if name not in self.inputs:
                 raise SolverError(f"input '{name}' is unknown; {nearest(name, self.inputs)}")
-        values = {name: inputs.get(name, given.nominal) for name, given in self.inputs.items()}
-        for name, value in values.items():
-            _check_value(name, value, self.inputs[name])
-        return values
+        return {
+            name: _checked(name, inputs.get(name, given.nominal), given)
+            for name, given in self.inputs.items()
+        }
 
     @contextmanager
     def _working_folder(self, values: Mapping[str, float | str]) -> Iterator[Path]:
@@ -179,8 +179,12 @@ class Command:
     def _read(self, name: str, given: OutputOptions, place: Path) -> float | np.ndarray:
         file = given.file or process.STDOUT
         said = "what the program printed" if given.file is None else file
+        # Of a pattern the last match counts: the end of what is too long to be read is enough.
+        read = written.tail if given.regex is not None and not given.dims else written.text
         try:
-            text = (place / file).read_text(encoding="utf-8-sig", errors="replace")
+            text = read(place / file)
+        except written.Unfit as error:
+            raise SolverError(_with_last_words(f"{name}: {said} {error}", place)) from error
         except OSError as error:
             raise SolverError(
                 _with_last_words(
@@ -205,16 +209,20 @@ class Command:
         return values.reshape(shape) if shape else float(values[0])
 
 
-def _check_value(name: str, value: float | str | None, known: Input) -> None:
+def _checked(name: str, value: float | str | None, known: Input) -> float | str:
     low, high = known.range
     if value is None:
         raise SolverError(f"input '{name}' has no value and no nominal one")
-    if known.levels and value not in known.levels:
-        raise SolverError(f"{name}: '{value}' is unknown; {nearest(str(value), known.levels)}")
-    if not known.levels and not low <= value <= high:
+    if known.levels:
+        if value not in known.levels:
+            raise SolverError(f"{name}: '{value}' is unknown; {nearest(str(value), known.levels)}")
+    elif isinstance(value, str):
+        raise SolverError(f"{name}: '{value}' is not a number")
+    elif not low <= value <= high:
         raise SolverError(
             f"{name}: {value:g} {known.unit}".rstrip() + f" is not between {low:g} and {high:g}"
         )
+    return value
 
 
 def _numbers(given: OutputOptions, text: str) -> list[float]:
@@ -223,6 +231,7 @@ def _numbers(given: OutputOptions, text: str) -> list[float]:
     if given.pointer is not None:
         return readers.by_pointer(text, given.pointer)
     table = given.csv or given.table
+    assert table is not None  # the checks ask for one of the four
     delimiter = given.csv.delimiter if given.csv else None
     return readers.by_column(
         text,
@@ -240,7 +249,7 @@ def _with_last_words(sentence: str, place: Path) -> str:
     return f"{sentence}; its last lines:\n{words}" if words else f"{sentence}; it printed nothing"
 
 
-def _texts(paths, folder: Path) -> tuple[dict[str, str], list[str]]:
+def _texts(paths: Iterable[str], folder: Path) -> tuple[dict[str, str], list[str]]:
     """Contents of the templates by path, and a sentence for those that are not text."""
     texts, mistakes = {}, []
     for path in dict.fromkeys(paths):

@@ -14,7 +14,7 @@ import pytest
 
 from surrogate.errors import SolverError, StudyError
 from surrogate.study.study import Study
-from surrogate_solvers.command import Command, readers
+from surrogate_solvers.command import Command, process, readers, written
 
 BEAM = """\
 import json, sys
@@ -301,8 +301,17 @@ def wait_until_dead(pid, seconds=5.0):
 
 CHILDREN = """
     import os, subprocess, sys, time
-    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
-    open({pids!r}, "w").write(f"{{os.getpid()}} {{child.pid}}")
+    sleep = [sys.executable, "-c", "import time; time.sleep(60)"]
+    child = subprocess.Popen(sleep)
+    other = subprocess.Popen(["env", "-i", *sleep], start_new_session=True)
+    if os.fork() == 0:
+        os.setsid()
+        daemon = os.fork()
+        if daemon == 0:
+            time.sleep(60)
+        open({pids!r}, "w").write(f"{{os.getppid()}} {{child.pid}} {{other.pid}} {{daemon}}")
+        os._exit(0)
+    os.wait()
     print("y = 1", flush=True)
     {last}
 """
@@ -311,7 +320,8 @@ CHILDREN = """
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="needs /proc")
 @pytest.mark.parametrize("last, timeout", [("time.sleep(60)", 1.5), ("", "1 min")])
 def test_nothing_survives_a_run(folder, last, timeout):
-    """At the time-out, and also after a good end, grandchildren are killed with the program."""
+    """At the time-out, and also after a good end, all that the program started is killed with
+    it: a child, one with a session of its own and no environment, a daemon."""
     pids = folder / "pids"
     solver = script(folder, CHILDREN.format(pids=str(pids), last=last), timeout=timeout)
     start = time.monotonic()
@@ -329,8 +339,10 @@ def test_nothing_survives_a_run(folder, last, timeout):
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="needs /proc")
 def test_nothing_survives_the_death_of_the_caller(folder):
-    """When the calling process is killed with -9, the program and its children end too."""
-    pids = folder / "pids"
+    """When the calling process is killed with -9, the program and its children end too, and
+    the working folder goes."""
+    pids, temporary = folder / "pids", folder / "tmp"
+    temporary.mkdir()
     script(folder, CHILDREN.format(pids=str(pids), last="time.sleep(60)"))
     caller = subprocess.Popen(
         [
@@ -340,14 +352,70 @@ def test_nothing_survives_the_death_of_the_caller(folder):
         from surrogate_solvers.command import Command
         Command(command=[{sys.executable!r}, "program.py"], files=["program.py"], inputs={{}},
                 outputs={{"y": {{"regex": "y = (.)"}}}}, folder={str(folder)!r})()"""),
-        ]
+        ],
+        env={**os.environ, "TMPDIR": str(temporary)},
     )
     end = time.monotonic() + 20
-    while not (pids.exists() and pids.read_text().count(" ")) and time.monotonic() < end:
+    while not (pids.exists() and pids.read_text().count(" ") == 3) and time.monotonic() < end:
         time.sleep(0.05)
+    assert len(list(temporary.iterdir())) == 1
     caller.send_signal(signal.SIGKILL)
     caller.wait()
     assert all(wait_until_dead(int(pid)) for pid in pids.read_text().split())
+    end = time.monotonic() + 20
+    while list(temporary.iterdir()) and time.monotonic() < end:
+        time.sleep(0.02)
+    assert list(temporary.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="has no such files")
+@pytest.mark.parametrize(
+    "make",
+    [
+        "os.symlink('/dev/zero', 'out')",
+        "os.mkfifo('out')",
+        "os.mkdir('out')",
+        "os.symlink('/dev/zero', 'out'); os.remove('stdout.txt'); os.mkfifo('stdout.txt')",
+    ],
+)
+def test_an_output_that_is_no_regular_file_is_a_sentence(folder, make):
+    """Reading a link to /dev/zero, or a pipe, would never end."""
+    solver = script(
+        folder, f"import os; {make}", outputs={"y": {"file": "out", "regex": r"y = (\S+)"}}
+    )
+    with pytest.raises(SolverError, match="y: out is no regular file but a folder, a pipe"):
+        solver()
+
+
+def test_of_much_text_the_end_is_read_or_none(folder, monkeypatch):
+    """A pattern's last match stands at the end; anything else would need the whole text."""
+    monkeypatch.setattr(written, "LARGEST", 10_000)
+    much = """
+        print("y = 1")
+        for i in range(10_000): print("iteration", i)
+        print("y = 2")"""
+    assert script(folder, much)() == {"y": 2.0}
+    with pytest.raises(SolverError, match="what the program printed has 0 MB; at most 0 MB are"):
+        script(folder, much, outputs={"y": {"table": {"column": 1, "row": -1}}})()
+    with pytest.raises(SolverError, match="nothing matches"):
+        script(folder, much, outputs={"y": {"regex": "y = (1)"}})()
+
+
+def test_time_during_which_nothing_ran_does_not_count(monkeypatch):
+    """A laptop that slept for an hour during a program's time of 1 s."""
+    moments = iter([0.0, 0.2, 0.2, 3600.0, 3600.0, 3600.2])
+
+    class Program:
+        waits = 0
+
+        def wait(self, timeout):
+            self.waits += 1
+            if self.waits < 4:
+                raise subprocess.TimeoutExpired("program", timeout)
+            return 0
+
+    monkeypatch.setattr(process.time, "monotonic", lambda: next(moments, 3600.2))
+    assert process._wait(Program(), 1.0) == 0
 
 
 def test_version_follows_what_can_change_an_answer(folder):
