@@ -11,11 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
 
 from surrogate.regressors.anova import Groups, SobolIndices
+
+Array = NDArray[np.float64]
 
 #: Draws of a field differ in the indices of the modes that hold this share of its variance;
 #: the many modes beyond could not move an index of the field by more than the rest, and move it
@@ -70,7 +73,7 @@ class Field(RegressorMixin, BaseEstimator):
         other.n_features_in_ = np.shape(X)[1]
         return other
 
-    def _decompose(self, y) -> np.ndarray:
+    def _decompose(self, y) -> Array:
         """Mean and modes of fields y (n, ...); returns the amplitudes (n, k)."""
         flat = np.asarray(y, dtype=float).reshape(len(y), -1)
         self.shape_ = np.shape(y)[1:]
@@ -113,17 +116,27 @@ class Field(RegressorMixin, BaseEstimator):
         modes taken as independent and what they leave out included.
         """
         check_is_fitted(self)
-        answers = [
-            model.predict(X, return_std=True) if return_std else (model.predict(X),)
-            for model in self.estimators_
-        ]
-        amplitudes = np.array([answer[0] for answer in answers]).reshape(-1, len(X)).T
+        amplitudes, spread = self._amplitudes(X, return_std)
         fields = (self.mean_ + amplitudes @ self.modes_).reshape(len(X), *self.shape_)
         if not return_std:
             return fields
-        spread = np.array([answer[1] for answer in answers]).reshape(-1, len(X)).T
         variance = spread**2 @ self.modes_**2 + self.left_out_**2
         return fields, np.sqrt(variance).reshape(len(X), *self.shape_)
+
+    def _amplitudes(self, X, return_std: bool) -> tuple[Array, Array]:
+        """Amplitudes (m, k) of the modes and, if asked for, their standard deviations."""
+        models = self.estimators_
+        asked = {"return_std": True} if return_std else {}
+        if not models:
+            return np.zeros((len(X), 0)), np.zeros((len(X), 0))
+        if hasattr(models[0], "predict_many"):
+            found = models[0].predict_many(models, X, **asked)
+            return found if return_std else (found, found)
+        answers = [model.predict(X, **asked) for model in models]
+        if not return_std:
+            return np.column_stack(answers), np.zeros((len(X), 0))
+        mean, std = (np.column_stack(part) for part in zip(*answers, strict=True))
+        return mean, std
 
     @_offered("sobol_indices")
     def sobol_indices(self, groups: Groups | None = None) -> SobolIndices:
@@ -150,7 +163,7 @@ class Field(RegressorMixin, BaseEstimator):
         total = float(variances.sum())
         weights = variances / total if total > 0.0 else np.zeros_like(variances)
 
-        def share(name: str, *shape: int) -> np.ndarray:
+        def share(name: str, *shape: int) -> Array:
             return sum(
                 (w * getattr(mode, name) for w, mode in zip(weights, modes, strict=True)),
                 start=np.zeros(shape),
@@ -196,7 +209,7 @@ class FieldDraw:
     field: Field
     amplitudes: tuple
 
-    def predict(self, X) -> np.ndarray:
+    def predict(self, X) -> Array:
         """Fields (m, ...) at coded X (m, d)."""
         values = np.array([draw.predict(X) for draw in self.amplitudes]).reshape(-1, len(X)).T
         return (self.field.mean_ + values @ self.field.modes_).reshape(len(X), *self.field.shape_)

@@ -7,6 +7,7 @@ Notz, The Design and Analysis of Computer Experiments (2nd ed. 2018), chapters 3
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from itertools import product
 from typing import Any, Self
@@ -215,36 +216,53 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
 
     def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
         """Values (m,) at coded X (m, d); with the standard deviation of a new run."""
+        found = self.predict_many([self], X, return_std)
+        return tuple(part[:, 0] for part in found) if return_std else found[:, 0]
+
+    def predict_many(
+        self, models: Sequence[GaussianProcess], X: ArrayLike, return_std: bool = False
+    ) -> Any:
+        """Values (m, k) of processes of the same runs; with standard deviations (m, k)."""
         check_is_fitted(self)
         points = self.expanded(X)
-        F = self.trend_columns(points)
-        if return_std:
-            mean, variance = self._mean_and_variance(points)
-        else:
-            mean = weighted_sum(points, self.points_, self.lengths_, self.weights_)
-        mean = self.offset_ + self.scale_ * (mean + F @ self.trend_)
-        return (mean, np.sqrt(variance)) if return_std else mean
+        F, mean = self.trend_columns(points), np.empty((len(points), len(models)))
+        std = np.empty_like(mean) if return_std else mean
+        alike: dict[int, list[int]] = {}
+        for k, model in enumerate(models):
+            alike.setdefault(id(model.factors_), []).append(k)
+        for own in alike.values():
+            some, first = [models[k] for k in own], models[own[0]]
+            weights = np.column_stack([model.weights_ for model in some])
+            if return_std:
+                sums, variance = first._sums_and_variance(points, weights)
+                std[:, own] = np.sqrt(np.outer(variance, [model.variance_ for model in some]))
+            else:
+                sums = weighted_sum(points, first.points_, first.lengths_, weights)
+            sums += F @ np.column_stack([model.trend_ for model in some])
+            offsets, scales = np.array([(model.offset_, model.scale_) for model in some]).T
+            mean[:, own] = offsets + scales * sums
+        return (mean, std) if return_std else mean
 
     def expanded(self, X: ArrayLike) -> Array:
         """Numeric columns (m, c) of coded points (m, d)."""
         return expand(validate_data(self, X, reset=False), self.columns_)
 
-    def _mean_and_variance(self, points: Array) -> tuple[Array, Array]:
-        """What the trend leaves of the mean, and the variance of a new run, each (m,).
+    def _sums_and_variance(self, points: Array, weights: Array) -> tuple[Array, Array]:
+        """Weighted sums (m, k) of correlations, and a new run's variance (m,), process's 1.
 
         Santner et al. 2018, equation 3.2.8: the correlations r with the runs explain r' R^-1 r.
         """
         one, unit = self.factors_, 3.0 ** len(self.lengths_)
-        mean, variance = np.empty((2, len(points)))
+        sums, variance = np.empty((len(points), weights.shape[1])), np.empty(len(points))
         for part, block in blocks(points, self.points_, self.lengths_):
             block /= unit
-            mean[part] = block @ self.weights_
+            sums[part] = block @ weights
             rest = self.trend_columns(points[part]) - block @ one.solved
             explained = linalg.blas.dtrsm(1.0, one.factor, block.T, lower=1, overwrite_b=1).T
             variance[part] = np.einsum("ij,jk,ik->i", rest, one.gain, rest)
             variance[part] -= np.einsum("ij,ij->i", explained, explained)
         variance += 1.0 + self.nugget_
-        return mean, self.variance_ * np.maximum(variance, self.nugget_)
+        return sums, np.maximum(variance, self.nugget_)
 
     def leave_one_out(self) -> Array:
         """Predictions (n,) of each run without it, lengths and nugget kept (Dubrule 1983)."""

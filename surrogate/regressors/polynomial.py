@@ -7,15 +7,21 @@ response surface of Box and Wilson 1951.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from copy import copy
 from itertools import combinations
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.regressors import anova, portable, regression
 from surrogate.regressors.columns import Column, columns_of, expand
+
+Array = NDArray[np.float64]
 
 #: A term is a product of powers of columns: ((column number, power), ...); () is the constant.
 Term = tuple[tuple[int, int], ...]
@@ -47,7 +53,7 @@ def term_name(term: Term, of: tuple[Column, ...]) -> str:
     return ":".join(parts) or "1"
 
 
-def design_matrix(terms: list[Term], values: np.ndarray) -> np.ndarray:
+def design_matrix(terms: list[Term], values: Array) -> Array:
     """Values (n, p) of terms at column values (n, c)."""
     matrix = np.ones((len(values), len(terms)))
     for t, term in enumerate(terms):
@@ -69,19 +75,28 @@ class TermRegressor(RegressorMixin, BaseEstimator):
     def __init__(self, space=None):
         self.space = space
 
-    def fit(self, X, y):
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
+        matrix, y = self._matrix(X, y)
+        self._set(regression.least_squares(matrix, y, self._names()))
+        return self
+
+    def _matrix(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
+        """Values (n, p) of the terms that are selected for y (n,), and y."""
         X, y = validate_data(self, X, y, y_numeric=True)
         self.columns_ = columns_of(self.space, X.shape[1])
         self.points_ = X
         values = expand(X, self.columns_)
         self.terms_ = self.select(values, y)
-        names = [term_name(term, self.columns_) for term in self.terms_]
-        self.model_ = regression.least_squares(design_matrix(self.terms_, values), y, names)
-        self.coef_ = self.model_.coefficients
-        return self
+        return design_matrix(self.terms_, values), y
 
-    def rows(self, X) -> np.ndarray:
+    def _names(self) -> list[str]:
+        return [term_name(term, self.columns_) for term in self.terms_]
+
+    def _set(self, model: regression.LeastSquares) -> None:
+        self.model_, self.coef_ = model, model.coefficients
+
+    def rows(self, X) -> Array:
         """Values (m, p) of the terms at coded points (m, d)."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
@@ -91,7 +106,7 @@ class TermRegressor(RegressorMixin, BaseEstimator):
         """Values (m,) at coded X (m, d)."""
         return self.rows(X) @ self.coef_
 
-    def leave_one_out(self) -> np.ndarray:
+    def leave_one_out(self) -> Array:
         """Predictions (n,) of each run by the fit of the same terms without it; exact."""
         return self.model_.leave_one_out()
 
@@ -112,7 +127,7 @@ class TermRegressor(RegressorMixin, BaseEstimator):
         factors = [self._factor(parameter, nodes, of) for parameter, (nodes, _) in enumerate(rules)]
         return anova.sobol_indices(self.coef_, factors, [weights for _, weights in rules], groups)
 
-    def _factor(self, parameter: int, nodes: np.ndarray, of: tuple[Column, ...]) -> np.ndarray:
+    def _factor(self, parameter: int, nodes: Array, of: tuple[Column, ...]) -> Array:
         """Part of each term that depends on one parameter, (p, m) at its nodes (m,)."""
         own = [
             tuple((j, q) for j, q in term if of[j].parameter == parameter) for term in self.terms_
@@ -143,7 +158,7 @@ class Polynomial(TermRegressor):
         """Terms of the model on these columns."""
         return linear_terms(of)
 
-    def select(self, values: np.ndarray, y: np.ndarray) -> list[Term]:
+    def select(self, values: Array, y: Array) -> list[Term]:
         """All terms, without regard to column values (n, c) and y (n,)."""
         return self.choose_terms(self.columns_)
 
@@ -151,18 +166,37 @@ class Polynomial(TermRegressor):
         """Runs that a fit needs: one for each term."""
         return len(self.choose_terms(columns_of(space, space.size)))
 
-    def predict(self, X, return_std=False):
+    def fit_many(self, X: ArrayLike, Y: ArrayLike) -> list[Self]:
+        """Fits of outputs Y (n, k) at the same points X (n, d), which share their algebra."""
+        Y = np.asarray(Y, dtype=float)
+        matrix, _ = self._matrix(X, Y[:, 0])
+        models = [copy(self) for _ in Y.T]
+        fits = regression.least_squares_of_many(matrix, Y, self._names())
+        for model, own in zip(models, fits, strict=True):
+            model._set(own)
+        return models
+
+    def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
         """Values (m,) at coded X (m, d); with the standard deviation of a new observation."""
         rows = self.rows(X)
         mean = rows @ self.coef_
         return (mean, self.model_.standard_error(rows)) if return_std else mean
+
+    def predict_many(self, models: Sequence[Self], X: ArrayLike, return_std: bool = False) -> Any:
+        """Values (m, k) of fits made by one `fit_many`; with standard deviations (m, k)."""
+        rows = self.rows(X)
+        mean = rows @ np.column_stack([model.coef_ for model in models])
+        if not return_std:
+            return mean
+        deviations = np.array([model.model_.residual_sd for model in models])
+        return mean, self.model_.spread(rows)[:, None] * deviations
 
     @property
     def interval_freedom(self) -> int:
         """Degrees of freedom of the t distribution of prediction intervals."""
         return self.model_.freedom
 
-    def leave_out(self, folds) -> np.ndarray:
+    def leave_out(self, folds) -> Array:
         """Predictions (n,) of each run by the fit without its fold (n,); exact."""
         return self.model_.leave_out(np.asarray(folds))
 

@@ -8,13 +8,17 @@ Regression Analysis (5th ed. 2012), chapters 3, 4 and 6.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike, NDArray
 from scipy import linalg, stats
 
 from surrogate.errors import FitError
+
+Array = NDArray[np.float64]
 
 #: A column whose part outside the earlier ones is smaller than this (relative) is aliased.
 RANK_TOLERANCE = 1e-7
@@ -41,16 +45,16 @@ class LeastSquares:
     """
 
     names: tuple[str, ...]
-    matrix: np.ndarray
-    y: np.ndarray
-    kept: np.ndarray
-    coefficients: np.ndarray
-    alias: np.ndarray
-    basis: np.ndarray
-    inverse: np.ndarray
+    matrix: Array
+    y: Array
+    kept: Array
+    coefficients: Array
+    alias: Array
+    basis: Array
+    inverse: Array
 
     @property
-    def residuals(self) -> np.ndarray:
+    def residuals(self) -> Array:
         """y - X b, shape (n,)."""
         return self.y - self.matrix @ self.coefficients
 
@@ -75,18 +79,18 @@ class LeastSquares:
         return float(np.sqrt(self.sse / self.freedom)) if self.freedom else np.nan
 
     @property
-    def leverage(self) -> np.ndarray:
+    def leverage(self) -> Array:
         """Diagonal of X (X'X)^-1 X', shape (n,)."""
         return (self.basis**2).sum(axis=1)
 
     @property
-    def estimable(self) -> np.ndarray:
+    def estimable(self) -> Array:
         """(p,) True where the runs determine the coefficient, whatever the other terms are."""
         result = self.kept.copy()
         result[self.kept] = ~(np.abs(self.alias) > 1e-8).any(axis=1)
         return result
 
-    def leave_out(self, folds: np.ndarray) -> np.ndarray:
+    def leave_out(self, folds: Array) -> Array:
         """Predictions (n,) of each run by the fit without its fold, in closed form.
 
         For a fold B: y_B - prediction = (I - H_BB)^-1 e_B with H the hat matrix
@@ -96,42 +100,71 @@ class LeastSquares:
         residuals = self.residuals
         for fold in np.unique(folds):
             inside = np.flatnonzero(folds == fold)
-            rest = np.eye(len(inside)) - self.basis[inside] @ self.basis[inside].T
-            if np.linalg.eigvalsh(rest)[0] > LEVERAGE_TOLERANCE:
-                left_out[inside] = self.y[inside] - np.linalg.solve(rest, residuals[inside])
+            errors = _without(self.basis[inside], residuals[inside])
+            if errors is not None:
+                left_out[inside] = self.y[inside] - errors
         return left_out
 
-    def leave_one_out(self) -> np.ndarray:
+    def leave_one_out(self) -> Array:
         """Predictions (n,) of each run by the fit without it: y - e / (1 - h)."""
         slack = 1.0 - self.leverage
         slack[slack < LEVERAGE_TOLERANCE] = np.nan
         return self.y - self.residuals / slack
 
-    def standard_error(self, rows: np.ndarray) -> np.ndarray:
+    def standard_error(self, rows: Array) -> Array:
         """Standard deviation (m,) of a new observation at design rows (m, p)."""
-        spread = ((rows[:, self.kept] @ self.inverse) ** 2).sum(axis=1)
-        return self.residual_sd * np.sqrt(1.0 + spread)
+        return self.residual_sd * self.spread(rows)
+
+    def spread(self, rows: Array) -> Array:
+        """sqrt(1 + x' (X'X)^-1 x) (m,) of design rows x (m, p)."""
+        return np.sqrt(1.0 + ((rows[:, self.kept] @ self.inverse) ** 2).sum(axis=1))
 
 
-def least_squares(matrix, y, names) -> LeastSquares:
+def _without(basis: Array, residuals: Array) -> Array | None:
+    """(I - H)^-1 e (k,) of a fold with rows B (k, r) of the basis, H = B B'; None if singular.
+
+    Solved in the smaller of runs and terms: (I - B B')^-1 = I + B (I - B'B)^-1 B' (Woodbury).
+    """
+    runs, terms = basis.shape
+    if runs <= terms:
+        rest = np.eye(runs) - basis @ basis.T
+        regular = np.linalg.eigvalsh(rest)[0] > LEVERAGE_TOLERANCE
+        return np.linalg.solve(rest, residuals) if regular else None
+    rest = np.eye(terms) - basis.T @ basis
+    if np.linalg.eigvalsh(rest)[0] <= LEVERAGE_TOLERANCE:
+        return None
+    return np.asarray(residuals + basis @ np.linalg.solve(rest, basis.T @ residuals))
+
+
+def least_squares(matrix: ArrayLike, y: ArrayLike, names: Iterable[str]) -> LeastSquares:
     """Fit y (n,) by the columns of matrix (n, p), called `names`.
 
     A column that earlier columns reproduce is dropped (coefficient 0), so lower
     terms, which come first, win. Raises `FitError` for values that are not finite.
     """
-    matrix, y = np.asarray(matrix, dtype=float), np.asarray(y, dtype=float)
-    if not (np.isfinite(matrix).all() and np.isfinite(y).all()):
+    return least_squares_of_many(matrix, np.asarray(y, dtype=float)[:, None], names)[0]
+
+
+def least_squares_of_many(
+    matrix: ArrayLike, Y: ArrayLike, names: Iterable[str]
+) -> list[LeastSquares]:
+    """Fits of outputs Y (n, k) by the same columns: one factorisation, which they share."""
+    matrix, Y, names = np.asarray(matrix, float), np.asarray(Y, float), tuple(names)
+    if not (np.isfinite(matrix).all() and np.isfinite(Y).all()):
         raise FitError("some values are not finite; leave failed runs out before fitting")
     kept = _independent(matrix)
     basis, upper = np.linalg.qr(matrix[:, kept])
     inverse = linalg.solve_triangular(upper, np.eye(kept.sum()))
-    coefficients = np.zeros(matrix.shape[1])
-    coefficients[kept] = linalg.solve_triangular(upper, basis.T @ y)
+    coefficients = np.zeros((Y.shape[1], matrix.shape[1]))
+    coefficients[:, kept] = linalg.solve_triangular(upper, basis.T @ Y).T
     alias = linalg.solve_triangular(upper, basis.T @ matrix[:, ~kept])
-    return LeastSquares(tuple(names), matrix, y, kept, coefficients, alias, basis, inverse)
+    return [
+        LeastSquares(names, matrix, y, kept, own, alias, basis, inverse)
+        for y, own in zip(Y.T, coefficients, strict=True)
+    ]
 
 
-def _independent(matrix: np.ndarray) -> np.ndarray:
+def _independent(matrix: Array) -> Array:
     """(p,) which columns are not combinations of earlier ones (Gram-Schmidt, done twice)."""
     n, p = matrix.shape
     basis = np.zeros((n, min(n, p)))
@@ -179,7 +212,7 @@ def table(
     )
 
 
-def _terms(model: LeastSquares, confidence: float) -> dict[str, np.ndarray]:
+def _terms(model: LeastSquares, confidence: float) -> dict[str, Array]:
     """Coefficient columns of the table; VIF_j = C_jj sum (x_j - mean)^2."""
     unscaled = np.full(len(model.names), np.nan)
     unscaled[model.kept] = (model.inverse**2).sum(axis=1)
@@ -244,7 +277,7 @@ def _aicc(model: LeastSquares) -> float:
     return n * (np.log(2.0 * np.pi * model.sse / n) + 1.0) + 2.0 * k * n / (n - k - 1)
 
 
-def _runs(model: LeastSquares) -> dict[str, np.ndarray]:
+def _runs(model: LeastSquares) -> dict[str, Array]:
     """Diagnostics of each run (Montgomery et al., sections 4.2 and 6.3)."""
     leverage, freedom = model.leverage, model.freedom
     slack = np.where(1.0 - leverage < LEVERAGE_TOLERANCE, np.nan, 1.0 - leverage)
@@ -260,7 +293,7 @@ def _runs(model: LeastSquares) -> dict[str, np.ndarray]:
     }
 
 
-def _lack_of_fit(model: LeastSquares, points: np.ndarray) -> dict[str, float]:
+def _lack_of_fit(model: LeastSquares, points: Array) -> dict[str, float]:
     """F test of lack of fit against pure error (Montgomery et al., section 4.5)."""
     _, group = np.unique(np.round(points, 9), axis=0, return_inverse=True)
     group = group.ravel()
