@@ -14,11 +14,12 @@ from rich.table import Table
 
 from surrogate.cli.page import Page, table
 from surrogate.cli.progress import duration
-from surrogate.cli.results import Outcome, figures_of
+from surrogate.cli.results import Outcome
 from surrogate.cli.results import store as store_runs
 from surrogate.cli.results import validate as validate_with
 from surrogate.execution.fresh import interrupted
 from surrogate.runs import dataset as rundata
+from surrogate.stages.summary import figures_of
 from surrogate.study import prediction
 from surrogate.study.study import Study
 

@@ -235,7 +235,7 @@ def _finish(study: Study, outcome: Outcome, as_json: bool) -> None:
 
 def _show(page: Page, as_json: bool) -> None:
     if as_json:
-        from surrogate.cli.results import json_data
+        from surrogate.stages.summary import json_data
 
         print(json.dumps(json_data(page.data), indent=1, default=str, allow_nan=False))
     else:

@@ -8,12 +8,11 @@ no edit here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
-from surrogate.errors import PluginError, SurrogateError, nearest
+from surrogate.errors import PluginError, nearest
 from surrogate.study.solver_factory import imported
 
 SOLVERS = "surrogate.solvers"
@@ -59,15 +58,3 @@ def load(group: str, name: str, folder: Path | None = None) -> Any:
         return imported(path, folder)
     except Exception as error:  # a stranger's module raises whatever it likes
         raise PluginError(f"'{name}' does not load: {type(error).__name__}: {error}") from error
-
-
-def call(what: str, function: Callable[..., Any], *given: Any, **options: Any) -> Any:
-    """What a plug-in gives; whatever goes wrong in a stranger's code becomes one sentence."""
-    try:
-        return function(*given, **options)
-    except SurrogateError:
-        raise
-    except Exception as error:
-        from surrogate.execution.answers import describe  # NumPy: `surrogate list` needs none
-
-        raise PluginError(f"{what}: {describe(error)}") from error

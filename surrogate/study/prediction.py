@@ -12,7 +12,9 @@ import xarray as xr
 
 from surrogate.errors import FitError, ResultsError, StudyError, nearest
 from surrogate.space.space import Space
-from surrogate.study.study import Fits, Study
+from surrogate.stages.walk import Walk
+from surrogate.study.analysis import walk
+from surrogate.study.study import Study
 from surrogate.validation.cases import Cases, read_csv
 
 
@@ -44,13 +46,14 @@ def predict(
     coded = study.space.encode(physical)
     stored = _stored(study, results, surrogate)
     asked = study if surrogate is None else study.with_surrogates([surrogate])
-    fits = asked.fit(stored)
+    stages = walk(asked, results, stored)
+    fits = stages.value("fits")
     inside = study.space.contains(coded)
     outputs = {
         output: (name, *_with_interval(fits[name][output], coded))
-        for output, name in _chosen(study, fits, stored, surrogate).items()
+        for output, name in _chosen(study, stages, surrogate).items()
     }
-    lost = asked.unfitted(stored, fits) if len(outputs) < len(study.outputs) else []
+    lost = stages.result("fits").not_done if len(outputs) < len(study.outputs) else ()
     if not outputs:
         raise FitError("\n".join(lost))
     return Predictions(
@@ -106,11 +109,12 @@ def _note(stored: xr.Dataset) -> list[str]:
     )
 
 
-def _chosen(study: Study, fits: Fits, stored: xr.Dataset, surrogate: str | None) -> dict[str, str]:
+def _chosen(study: Study, stages: Walk, surrogate: str | None) -> dict[str, str]:
     """Which surrogate answers for each output."""
+    fits = stages.value("fits")
     if surrogate is not None:
         return {output: surrogate for output in fits[surrogate]}
-    best = study.best(study.compare(fits, stored)) if len(fits) > 1 else {}
+    best = study.best(stages.value("comparison")) if len(fits) > 1 else {}
     return {
         output: best.get(output, next(iter(fits)))
         for output in study.outputs

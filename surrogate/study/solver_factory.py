@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.machinery import PathFinder
-from inspect import Parameter, signature
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+from surrogate.stages.plugin import parameters_of
 
 
 def imported(path: str, folder: Path | None = None) -> Any:
@@ -113,11 +113,3 @@ class SolverFactory:
 def is_built(found: Any) -> bool:
     """True for a solver, False for a class or function that makes one."""
     return hasattr(found, "inputs") and not isinstance(found, type)
-
-
-def parameters_of(function: Callable[..., Any]) -> dict[str, Parameter]:
-    """Parameters of a callable by name; empty when it does not tell."""
-    try:
-        return dict(signature(function).parameters)
-    except (TypeError, ValueError):
-        return {}

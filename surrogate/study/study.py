@@ -13,38 +13,40 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate.designs.aliasing import Aliasing, aliasing
+from surrogate.designs.aliasing import Aliasing
 from surrogate.designs.design import Design
-from surrogate.errors import FitError, PluginError, StudyError
+from surrogate.errors import StudyError
 from surrogate.execution.execute import Progress, cores, execute
 from surrogate.execution.fresh import execute_fresh
-from surrogate.fitting import comparison as comparing
-from surrogate.fitting import fit as fitting
+from surrogate.fitting.comparison import best
 from surrogate.fitting.fit import Fit
 from surrogate.report import Content, Page, build
-from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
 from surrogate.runs.assembly import assemble, physical_columns
 from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
 from surrogate.runs.journal import read as read_journal
 from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
-from surrogate.sensitivity.screening import Screening, decide
-from surrogate.sensitivity.table import combine
+from surrogate.sensitivity.screening import Screening
 from surrogate.solver import Output, broken
 from surrogate.space.space import Space
+from surrogate.stages import fits as fitting
+from surrogate.stages import sensitivity as analysing
+from surrogate.stages.aliasing import aliases, aliasing
+from surrogate.stages.comparison import comparison
+from surrogate.stages.fits import Fits, Surrogate
+from surrogate.stages.regression import regression
+from surrogate.stages.screening import ScreeningRule, screening
+from surrogate.stages.sensitivity import SensitivityMethod
+from surrogate.stages.validation import validation
+from surrogate.stages.yaml_text import write_yaml
 from surrogate.study import file as studyfile
 from surrogate.study import reading
 from surrogate.study.kept_designs import keep, recall
-from surrogate.study.parts import ExecutionPart, ScreeningPart
-from surrogate.study.plugins import call
-from surrogate.study.reading import Reading, SensitivityMethod, Surrogate
-from surrogate.study.solver_factory import parameters_of
-from surrogate.study.source import Source, read_file, read_text, write_yaml
+from surrogate.study.parts import ExecutionPart
+from surrogate.study.reading import Reading
+from surrogate.study.source import Source, read_file, read_text
 from surrogate.validation.cases import Cases, from_runs
-from surrogate.validation.validation import Validation, fixed_inputs, outputs_in
-from surrogate.validation.validation import validate as compare_with_cases
-
-Fits = Mapping[str, Mapping[str, Fit]]
+from surrogate.validation.validation import Validation, fixed_inputs
 
 
 @dataclass(frozen=True)
@@ -64,7 +66,7 @@ class Study:
     designs: Mapping[str, Design]
     surrogates: Mapping[str, Surrogate]
     sensitivity_method: SensitivityMethod | None
-    screening_rule: ScreeningPart | None
+    screening_rule: ScreeningRule | None
     execution: ExecutionPart
     stored_runs: tuple[StoredRuns, ...]
     validation: Validation | None
@@ -106,26 +108,27 @@ class Study:
         return replace(self, surrogates={name: self.surrogates[name] for name in names})
 
     @property
+    def words(self) -> dict[str, Any]:
+        """What the study says, as plain data."""
+        if self.source.text:
+            return dict(self.source.data)
+        solver = {"name": self.spec.name, "options": self.spec.plain_options}
+        return {**self.source.data, "solver": solver}
+
+    @property
     def text(self) -> str:
         """The study as written, or as YAML when it came as Python data."""
-        if self.source.text:
-            return self.source.text
-        return write_yaml(
-            {
-                **self.source.data,
-                "solver": {"name": self.spec.name, "options": self.spec.plain_options},
-            }
-        )
+        return self.source.text or write_yaml(self.words)
 
     @property
     def aliases(self) -> dict[str, Aliasing]:
         """What is confounded with what, for each design that is a regular two-level fraction."""
-        found = {
-            name: aliasing(self.space, design.coded)
-            for name, design in self.designs.items()
-            if not design.searched
-        }
-        return {name: alias for name, alias in found.items() if alias is not None}
+        return aliases(self.space, {name: self.designs[name].coded for name in self.unsearched})
+
+    @property
+    def unsearched(self) -> tuple[str, ...]:
+        """Designs whose points follow from a construction and not from a search."""
+        return tuple(name for name, design in self.designs.items() if not design.searched)
 
     def with_kept_designs(self, results: Path | None = None) -> Study:
         """The same study with those points of its designs that were found before.
@@ -309,68 +312,23 @@ class Study:
         An output that a surrogate cannot be fitted to, because too many runs failed,
         is left out; `unfitted` says why.
         """
-        return {
-            name: {
-                output: fit
-                for output in self.outputs
-                if isinstance(fit := self._fit(runs, name, output), Fit)
-            }
-            for name in self.surrogates
-        }
+        return fitting.all_fits(self.space, self.surrogates, self.outputs, runs)
 
     def unfitted(self, runs: xr.Dataset, fits: Fits) -> list[str]:
         """A sentence for each surrogate and output without a fit."""
-        return [
-            str(self._fit(runs, name, output))
-            for name in self.surrogates
-            for output in self.outputs
-            if output not in fits[name]
-        ]
-
-    def _fit(self, runs: xr.Dataset, name: str, output: str) -> Fit | FitError | PluginError:
-        surrogate = self.surrogates[name]
-        coded, values = rundata.training(runs, output, surrogate.train)
-        try:
-            return call(
-                f"surrogate '{name}' cannot be fitted to '{output}'",
-                fitting.fit,
-                self.space,
-                coded,
-                values,
-                surrogate.estimator,
-                surrogate=name,
-                output=output,
-            )
-        except (FitError, PluginError) as error:
-            return error
+        return list(fitting.unfitted(self.space, self.surrogates, self.outputs, runs, fits))
 
     def compare(self, fits: Fits, runs: xr.Dataset) -> xr.Dataset | None:
         """All surrogates side by side, on common folds and on the test design if there is one."""
-        if not any(fits.values()):
-            return None
-        test = (
-            {output: rundata.training(runs, output, ("test",)) for output in self.outputs}
-            if "test" in self.designs
-            else None
-        )
-        return comparing.compare(fits, test)
+        return comparison(self.designs, self.outputs, runs, fits)
 
     def best(self, table: xr.Dataset | None) -> dict[str, str]:
         """Best surrogate of each output, by the comparison."""
-        return {} if table is None else comparing.best(table)
+        return {} if table is None else best(table)
 
     def regressions(self, fits: Fits) -> dict[str, dict[str, xr.Dataset]]:
         """Regression tables: surrogate -> output -> dataset, for polynomials of scalars."""
-        deterministic = self.spec.deterministic
-        tables = {
-            name: {
-                output: fit.estimator.regression_table(deterministic=deterministic)
-                for output, fit in by_output.items()
-                if hasattr(fit.estimator, "regression_table")
-            }
-            for name, by_output in fits.items()
-        }
-        return {name: by_output for name, by_output in tables.items() if by_output}
+        return regression(self.spec.deterministic, fits)
 
     def sensitivity(
         self, fits: Fits, runs: xr.Dataset, table: xr.Dataset | None = None
@@ -380,37 +338,8 @@ class Study:
         table: the comparison, when it is at hand. Q2 is that of the test design where
         there is one.
         """
-        method = self.sensitivity_method
         table = self.compare(fits, runs) if table is None else table
-        if method is None or table is None:
-            return None
-        return combine(
-            [
-                call(
-                    f"output '{fit.output}'",
-                    method.function,
-                    fit,
-                    self.space,
-                    confidence=method.confidence,
-                    **self._told(method, table, fit) | method.options,
-                )
-                for fit in self._analysed(fits, table).values()
-            ]
-        )
-
-    def _analysed(self, fits: Fits, table: xr.Dataset) -> dict[str, Fit]:
-        """The fit of each output that sensitivity reads."""
-        wanted = self.sensitivity_method.surrogate
-        names = self.best(table) if wanted == "best" else dict.fromkeys(fits[wanted], wanted)
-        return {output: fits[name][output] for output, name in names.items()}
-
-    def _told(self, method: SensitivityMethod, table: xr.Dataset, fit: Fit) -> dict[str, Any]:
-        """What a sensitivity method is told besides its options, if it asks for it."""
-        row = table.sel(surrogate=fit.surrogate, output=fit.output)
-        q2 = float(row["q2_test"] if np.isfinite(row["q2_test"]) else row["q2_cv"])
-        taken = parameters_of(method.function)
-        offered = {"seed": 0, "q2": q2, "groups": method.groups}
-        return {name: value for name, value in offered.items() if name in taken}
+        return analysing.all_indices(self.sensitivity_method, self.space, fits, table)
 
     def screening(
         self, fits: Fits, table: xr.Dataset | None, indices: xr.Dataset | None
@@ -419,26 +348,19 @@ class Study:
 
         Outputs that vote and could not be fitted are left aside; `unfitted` names them.
         """
-        if self.screening_rule is None or indices is None:
-            return None
-        wanted = self.screening_rule.outputs or self.outputs
-        voting = [name for name in wanted if name in indices["output"].values]
-        return (
-            decide(
-                indices,
-                self.screening_rule.freeze_below,
-                space=self.space,
-                fits=self._analysed(fits, table),
-                outputs=voting,
-                nominal=self._nominal,
-                seed=0,
-            )
-            if voting
-            else None
+        return screening(
+            self.screening_rule,
+            self.sensitivity_method,
+            self.space,
+            self.outputs,
+            self.nominal,
+            fits,
+            table,
+            indices,
         )
 
     @property
-    def _nominal(self) -> dict[str, float | str]:
+    def nominal(self) -> dict[str, float | str]:
         """The solver's nominal values of those parameters whose range holds theirs."""
         nominal = {p.name: self.spec.solver.inputs[p.name].nominal for p in self.space.parameters}
         return {
@@ -475,11 +397,12 @@ class Study:
             found = from_runs(found, "runs")
         found = found.in_units({**self.spec.solver.inputs, **self.spec.solver.outputs})
         found = found.by_subject(self.validation and self.validation.subject)
-        reading.check_cases(found, self.space, self._offered, self._compared)
+        reading.check_cases(found, self.space, self.offered, self._compared)
         return found
 
     @property
-    def _offered(self) -> dict[str, Output]:
+    def offered(self) -> dict[str, Output]:
+        """The outputs that the study keeps, as the solver describes them."""
         return {name: self.spec.solver.outputs[name] for name in self.outputs}
 
     @property
@@ -494,20 +417,13 @@ class Study:
 
         cases: as in `cases`; default the study's own. Runs no solver but the models.
         """
-        found = self.cases(cases, results=results)
-        if found is None:
-            return None
-        units = {
-            name: self._offered[name].unit
-            for name in outputs_in(found, self._offered, self._compared)
-        }
-        return compare_with_cases(
+        return validation(
+            self.validation,
             self.space,
-            fits,
-            found,
-            units,
-            self.validation.models if self.validation else {},
+            self.offered,
             fixed_inputs(self.spec.solver, self.space, self.constants),
+            fits,
+            self.cases(cases, results=results),
         )
 
     def report(
@@ -535,7 +451,7 @@ class Study:
                 sensitivity=indices,
                 screening=screening,
                 validation=validation,
-                aliasing=self.aliases,
+                aliasing=aliasing(self.space, self.unsearched, runs),
                 reduced_study=reduced,
                 not_done=not_done,
             )
@@ -592,7 +508,7 @@ def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
         designs,
         surrogates,
         sensitivity,
-        part.screening,
+        part.screening and ScreeningRule(part.screening.freeze_below, part.screening.outputs),
         part.execution,
         stored_runs,
         validation,

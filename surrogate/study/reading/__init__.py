@@ -2,8 +2,6 @@
 
 from surrogate.study.reading.designs import designs_of
 from surrogate.study.reading.methods import (
-    SensitivityMethod,
-    Surrogate,
     check_screening,
     sensitivity_of,
     surrogates_of,
@@ -15,8 +13,6 @@ from surrogate.study.reading.validation import cases_at, check_cases, validation
 
 __all__ = [
     "Reading",
-    "SensitivityMethod",
-    "Surrogate",
     "cases_at",
     "check_cases",
     "check_screening",

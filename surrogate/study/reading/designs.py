@@ -15,12 +15,12 @@ from surrogate.designs.design import Design
 from surrogate.errors import KeyPath, PluginError
 from surrogate.runs.identity import canonical
 from surrogate.space.space import Space
+from surrogate.stages.plugin import call, parameters_of
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import AugmentPart, DesignPart
 from surrogate.study.reading.mistakes import Reading
-from surrogate.study.solver_factory import parameters_of
 
 #: Parameters of design methods that the framework fills in; they are not options.
 GIVEN_TO_DESIGNS = ("space", "coded", "folder")
@@ -117,7 +117,7 @@ def _points(
     name: str, space: Space, method: Callable[..., Any], *given: Any
 ) -> NDArray[np.float64]:
     """Coded points (run, parameter) that a method gives, whoever wrote it."""
-    coded: NDArray[np.float64] = plugins.call(
+    coded: NDArray[np.float64] = call(
         f"'{name}' fails", lambda: np.asarray(method(*given), dtype=float)
     )
     if coded.ndim != 2 or coded.shape[1] != space.size or not np.isfinite(coded).all():

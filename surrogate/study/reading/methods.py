@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -13,38 +11,18 @@ from surrogate.errors import StudyError, nearest
 from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
 from surrogate.space.space import Space
+from surrogate.stages.fits import Surrogate
+from surrogate.stages.plugin import call, parameters_of
+from surrogate.stages.sensitivity import SensitivityMethod
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import SurrogatePart
 from surrogate.study.reading.mistakes import Reading
-from surrogate.study.solver_factory import parameters_of
 
 #: Parameters of plug-ins that the framework fills in; they are not options.
 GIVEN_TO_REGRESSORS = ("space",)
 GIVEN_TO_SENSITIVITY = ("fit", "space", "confidence", "q2", "groups")
-
-
-@dataclass(frozen=True)
-class Surrogate:
-    """One entry of `surrogates:`: an unfitted estimator and the designs it learns from."""
-
-    name: str
-    method: str
-    estimator: Any
-    train: tuple[str, ...] = ("train",)
-
-
-@dataclass(frozen=True)
-class SensitivityMethod:
-    """The entry `sensitivity:`: a function, its options, the surrogate it reads, groups."""
-
-    name: str
-    function: Any
-    options: Mapping[str, Any]
-    surrogate: str = "best"
-    confidence: float = 0.95
-    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def surrogates_of(
@@ -69,7 +47,7 @@ def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | 
         reading.add(mistakes, *path, "options")
         if mistakes:
             return None
-        estimator = plugins.call(f"'{part.method}' cannot be built", factory, **part.options)
+        estimator = call(f"'{part.method}' cannot be built", factory, **part.options)
         if not (hasattr(estimator, "fit") and hasattr(estimator, "predict")):
             raise StudyError(f"'{part.method}' is not a regressor: it has no fit and predict")
         if estimator.get_params().get("random_state", 0) is None:

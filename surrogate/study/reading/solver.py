@@ -14,6 +14,7 @@ from surrogate.solver import Input, Output, Solver
 from surrogate.space import laws, units
 from surrogate.space.distributions import UNBOUNDED, distribution
 from surrogate.space.space import Parameter, Space
+from surrogate.stages.plugin import call
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
@@ -56,7 +57,7 @@ def solver_of(
 
 def _built(spec: SolverSpec, reading: Reading, path: tuple[str, ...]) -> Solver | None:
     with reading.mistakes_at(*path, "options"):
-        solver = plugins.call(f"solver '{spec.name}' cannot be built", lambda: spec.solver)
+        solver = call(f"solver '{spec.name}' cannot be built", lambda: spec.solver)
         if isinstance(solver, Solver):
             described = (("inputs", solver.inputs, Input), ("outputs", solver.outputs, Output))
             mistakes = [

@@ -28,6 +28,7 @@ FIRST = {
     "summary.json",
     "study.yaml",
     "journal",
+    "kept",
 }
 
 

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Mapping
 from typing import Any
 
 from surrogate.sensitivity.screening import Screening
-from surrogate.study.source import read_text, write_yaml
-from surrogate.study.study import Study
+from surrogate.stages.yaml_text import write_yaml
 
 
-def reduced_text(study: Study, screening: Screening) -> str:
-    """YAML of the study without its frozen parameters; "" when none is frozen, or all are."""
-    frozen = screening.frozen_values
-    if not frozen or len(frozen) == study.space.size:
+def reduced_study(
+    name: str, about: str, words: Mapping[str, Any], screening: Screening | None
+) -> str:
+    """YAML of the study without its frozen parameters; "" when none is frozen, or all are.
+
+    words: the study's own, as its file has them.
+    """
+    frozen = screening.frozen_values if screening is not None else {}
+    if screening is None or not frozen or len(frozen) == len(screening.verdicts):
         return ""
-    data = dict(read_text(study.text, study.name).data)
-    data |= {"study": f"{study.name}_reduced", "about": study.about}
+    data = {**words, "study": f"{name}_reduced", "about": about}
     data["parameters"] = {
         name: part for name, part in data["parameters"].items() if name not in frozen
     }
@@ -25,7 +28,7 @@ def reduced_text(study: Study, screening: Screening) -> str:
         data.pop(word, None)
     _forget(data, frozen)
     note = (
-        f"# {study.name} with {', '.join(frozen)} frozen: the total index of each is\n"
+        f"# {name} with {', '.join(frozen)} frozen: the total index of each is\n"
         f"# surely below {screening.freeze_below:g}. Keep this file beside the study it came\n"
         "# from when the solver reads files or modules from there.\n\n"
     )

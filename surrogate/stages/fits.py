@@ -1,0 +1,117 @@
+"""Every surrogate fitted to every output: surrogate -> output -> Fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from surrogate.fitting import fit as fitting
+from surrogate.fitting.fit import Fit
+from surrogate.runs import dataset as rundata
+from surrogate.space.space import Space
+from surrogate.stages.digest import digest, of_object
+from surrogate.stages.labour import do
+from surrogate.stages.plugin import call
+from surrogate.stages.stage import Job, Result
+
+Fits = Mapping[str, Mapping[str, Fit]]
+
+
+@dataclass(frozen=True)
+class Surrogate:
+    """One entry of `surrogates:`: an unfitted estimator and the designs it learns from."""
+
+    name: str
+    method: str
+    estimator: Any
+    train: tuple[str, ...] = ("train",)
+
+
+def jobs(
+    space: Space, surrogates: Mapping[str, Surrogate], outputs: Iterable[str], runs: xr.Dataset
+) -> list[Job]:
+    """A fit of each surrogate to each output."""
+    return [
+        _job(space, surrogate, output, runs)
+        for surrogate in surrogates.values()
+        for output in outputs
+    ]
+
+
+def _job(space: Space, surrogate: Surrogate, output: str, runs: xr.Dataset) -> Job:
+    coded, values = rundata.training(runs, output, surrogate.train)
+    return Job(
+        f"{surrogate.name} of {output}",
+        fit,
+        {
+            "space": space,
+            "surrogate": surrogate.name,
+            "output": output,
+            "estimator": surrogate.estimator,
+            "coded": coded,
+            "values": values,
+        },
+        digest(of_object(surrogate.estimator), coded, values),
+    )
+
+
+def fit(
+    space: Space,
+    surrogate: str,
+    output: str,
+    estimator: Any,
+    coded: np.ndarray,
+    values: np.ndarray,
+) -> Fit:
+    """One fit; raises `FitError` or `PluginError` when it cannot be had."""
+    found: Fit = call(
+        f"surrogate '{surrogate}' cannot be fitted to '{output}'",
+        fitting.fit,
+        space,
+        coded,
+        values,
+        estimator,
+        surrogate=surrogate,
+        output=output,
+    )
+    return found
+
+
+def gather(done: Iterable[tuple[Job, Result]]) -> Result:
+    """The fits that could be had, by surrogate and output, and why others could not."""
+    fits: dict[str, dict[str, Fit]] = {}
+    lost: list[str] = []
+    for job, result in done:
+        by_output = fits.setdefault(job.arguments["surrogate"], {})
+        if result.value is not None:
+            by_output[job.arguments["output"]] = result.value
+        lost += result.not_done
+    return Result(fits, tuple(lost))
+
+
+def all_fits(
+    space: Space, surrogates: Mapping[str, Surrogate], outputs: Iterable[str], runs: xr.Dataset
+) -> dict[str, dict[str, Fit]]:
+    """Every fit that can be had, one after the other."""
+    found: dict[str, dict[str, Fit]] = gather(
+        (job, do(job)) for job in jobs(space, surrogates, outputs, runs)
+    ).value
+    return found
+
+
+def unfitted(
+    space: Space,
+    surrogates: Mapping[str, Surrogate],
+    outputs: Iterable[str],
+    runs: xr.Dataset,
+    fits: Fits,
+) -> Iterator[str]:
+    """A sentence for each surrogate and output without a fit."""
+    for surrogate in surrogates.values():
+        for output in outputs:
+            if output not in fits.get(surrogate.name, {}):
+                yield from do(_job(space, surrogate, output, runs)).not_done

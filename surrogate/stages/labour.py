@@ -1,0 +1,124 @@
+"""Jobs done side by side: other processes join in once the work has gone on for a while.
+
+Results do not depend on who did a job: each runs with one BLAS thread and no shared state.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
+from pickle import PicklingError
+
+from threadpoolctl import threadpool_limits
+
+from surrogate.errors import SurrogateError
+from surrogate.stages.stage import Job, Result
+
+#: Other processes take about this long to start, in s; shorter work is not worth them.
+PATIENCE = 1.5
+
+
+def do(job: Job) -> Result:
+    """The job's result; what could not be done is a sentence."""
+    try:
+        return Result(job.function(**job.arguments))
+    except SurrogateError as error:
+        return Result(None, (str(error),))
+
+
+def carry_out(jobs: Sequence[Job], workers: int = 1) -> Iterator[tuple[Job, Result]]:
+    """Each job with its result, in order.
+
+    workers: processes, this one included. The others start when the jobs have taken
+    `PATIENCE`, and end with the last job or with a Ctrl-C.
+    """
+    helpers = _Helpers(jobs, workers) if workers > 1 and len(jobs) > 1 else None
+    try:
+        for job in jobs:
+            yield job, (helpers.result(job) if helpers else do(job))
+    finally:
+        if helpers:
+            helpers.end()
+
+
+class _Helpers:
+    """Processes that take jobs from the end of the list while this one works on its start."""
+
+    def __init__(self, jobs: Sequence[Job], workers: int):
+        self.jobs, self.workers = list(jobs), min(workers, len(jobs))
+        self.futures: dict[str, Future[Result]] = {}
+        self.pool: ProcessPoolExecutor | None = None
+        self.lock = threading.Lock()
+        self.timer = threading.Timer(PATIENCE, self._come)
+        self.timer.daemon = True
+        self.timer.start()
+
+    def _come(self) -> None:
+        """Start the pool and hand it all jobs that this process has not begun."""
+        context = multiprocessing.get_context("spawn")
+        with self.lock:
+            if not self.jobs:
+                return
+            with _ctrl_c_is_for_the_parent():
+                self.pool = ProcessPoolExecutor(self.workers - 1, context, _begin)
+                for job in reversed(self.jobs):
+                    self.futures[job.label] = self.pool.submit(_do_alone, job)
+
+    def result(self, job: Job) -> Result:
+        """The job's result: from a process that has taken it, or done here."""
+        with self.lock:
+            self.jobs.remove(job)
+            future = self.futures.get(job.label)
+        if future is None or future.cancel():
+            return do(job)
+        try:
+            return future.result()
+        except (BrokenProcessPool, PicklingError, AttributeError, TypeError, ImportError):
+            return do(job)  # a process was lost, or the job cannot be sent to one
+
+    def end(self) -> None:
+        """Stop the timer and the processes, whatever they are at."""
+        self.timer.cancel()
+        with self.lock:
+            self.jobs.clear()
+            if self.pool is None:
+                return
+            processes = list(getattr(self.pool, "_processes", None) or {}.values())
+            self.pool.shutdown(wait=False, cancel_futures=True)
+            for process in processes:
+                with suppress(OSError, AttributeError):
+                    process.terminate()
+
+
+def _do_alone(job: Job) -> Result:
+    with threadpool_limits(1):
+        return do(job)
+
+
+def _begin() -> None:
+    """Start of a process: it ends when its parent does, even by kill -9."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=lambda: (parent.join(), os._exit(1)), daemon=True).start()
+
+
+@contextmanager
+def _ctrl_c_is_for_the_parent() -> Iterator[None]:
+    """Processes started in here do not hear of a Ctrl-C: their parent ends them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    resource_tracker.ensure_running()  # else the start of a process does, and lets signals through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

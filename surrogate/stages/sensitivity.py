@@ -1,0 +1,104 @@
+"""Indices of every output, read from the surrogate that the study names, or the best one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from surrogate.fitting import comparison as comparing
+from surrogate.fitting.fit import Fit
+from surrogate.sensitivity.table import combine
+from surrogate.space.space import Space
+from surrogate.stages.fits import Fits
+from surrogate.stages.plugin import call, parameters_of
+from surrogate.stages.stage import Job, Result
+
+
+@dataclass(frozen=True)
+class SensitivityMethod:
+    """The entry `sensitivity:`: a function, its options, the surrogate it reads, groups."""
+
+    name: str
+    function: Any
+    options: Mapping[str, Any]
+    surrogate: str = "best"
+    confidence: float = 0.95
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def jobs(
+    sensitivity_method: SensitivityMethod | None,
+    space: Space,
+    fits: Fits,
+    comparison: xr.Dataset | None,
+) -> list[Job]:
+    """The indices of each output; no job when none are asked for or nothing was fitted."""
+    if sensitivity_method is None or comparison is None:
+        return []
+    return [
+        Job(
+            f"{sensitivity_method.name} of {output}",
+            indices,
+            {
+                "method": sensitivity_method,
+                "space": space,
+                "fit": fit,
+                "q2": _q2(comparison, fit),
+            },
+        )
+        for output, fit in analysed(sensitivity_method, fits, comparison).items()
+    ]
+
+
+def analysed(method: SensitivityMethod, fits: Fits, comparison: xr.Dataset) -> dict[str, Fit]:
+    """The fit of each output that sensitivity reads."""
+    names = (
+        comparing.best(comparison)
+        if method.surrogate == "best"
+        else dict.fromkeys(fits.get(method.surrogate, {}), method.surrogate)
+    )
+    return {output: fits[name][output] for output, name in names.items()}
+
+
+def indices(method: SensitivityMethod, space: Space, fit: Fit, q2: float) -> xr.Dataset:
+    """Indices of one output; the method is told what it asks for besides its options."""
+    taken = parameters_of(method.function)
+    offered = {"seed": 0, "q2": q2, "groups": method.groups}
+    told = {name: value for name, value in offered.items() if name in taken}
+    found: xr.Dataset = call(
+        f"output '{fit.output}'",
+        method.function,
+        fit,
+        space,
+        confidence=method.confidence,
+        **told | dict(method.options),
+    )
+    return found
+
+
+def _q2(comparison: xr.Dataset, fit: Fit) -> float:
+    """Q2 of the test design where there is one, else that of the left-out predictions."""
+    row = comparison.sel(surrogate=fit.surrogate, output=fit.output)
+    return float(row["q2_test"] if np.isfinite(row["q2_test"]) else row["q2_cv"])
+
+
+def gather(done: Iterable[tuple[Job, Result]]) -> Result:
+    """One dataset of all outputs; nothing when an output could not be analysed."""
+    results = [result for _, result in done]
+    lost = [sentence for result in results for sentence in result.not_done]
+    if lost:
+        return Result(None, (f"no sensitivity indices: {lost[0]}",))
+    return Result(combine([result.value for result in results]) if results else None)
+
+
+def all_indices(
+    method: SensitivityMethod | None, space: Space, fits: Fits, comparison: xr.Dataset | None
+) -> xr.Dataset | None:
+    """The indices of all outputs, one after the other; raises what keeps one from being had."""
+    asked = jobs(method, space, fits, comparison)
+    found = [job.function(**job.arguments) for job in asked]
+    return combine(found) if found else None

@@ -1,0 +1,161 @@
+"""The stages of a study after its runs, a row a stage.
+
+A stage reads parts of the study and needs what earlier stages gave. It is done again when
+one of these has changed, or the packages or plug-ins that it is made with. To add one, add a
+row, and a module with its function; `summary.json` gets its figures, the results folder its
+files, and `Content` (the report) a field of its name when the report is to show it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import xarray as xr
+
+from surrogate.stages import fits, portable, sensitivity
+from surrogate.stages.aliasing import aliasing
+from surrogate.stages.comparison import comparison
+from surrogate.stages.reduced_study import reduced_study
+from surrogate.stages.regression import regression, tree
+from surrogate.stages.report import report
+from surrogate.stages.screening import screening
+from surrogate.stages.stage import Files, Stage
+from surrogate.stages.summary import figures_by_output, figures_of, json_data, summary, text
+from surrogate.stages.validation import validation
+
+#: What the walk is given to start from.
+GIVEN = ("runs", "cases")
+REPORT, SUMMARY = "report.html", "summary.json"
+
+
+def _file(name: str, content: Callable[[Any], bytes | memoryview]) -> Files:
+    """One file, which is not there when the stage has nothing to give."""
+    return Files(name, lambda value: {} if value is None or value == "" else {name: content(value)})
+
+
+def _dataset(name: str) -> Files:
+    """A dataset as netCDF4, made in memory: HDF5 ends the process when a disk fills under it."""
+    return Files(name, lambda found: {} if found is None else {name: _netcdf(found)})
+
+
+def _netcdf(found: xr.Dataset | xr.DataTree) -> memoryview:
+    content: memoryview = found.to_netcdf(engine="h5netcdf")
+    return content
+
+
+def _regression_file(tables: Any) -> Mapping[str, memoryview]:
+    found = tree(tables)
+    return {} if found is None else {"regression.nc": _netcdf(found)}
+
+
+STAGES = (
+    Stage(
+        "dataset",
+        reads=("text",),
+        needs=("runs",),
+        does=lambda text, runs: runs.assign_attrs(study=text),
+        files=_dataset("runs.nc"),
+        kept=False,
+    ),
+    Stage(
+        "source",
+        reads=("text",),
+        needs=(),
+        does=lambda text: text,
+        files=_file("study.yaml", str.encode),
+        kept=False,
+    ),
+    Stage("aliasing", reads=("space", "unsearched"), needs=("runs",), does=aliasing),
+    Stage(
+        "fits",
+        reads=("space", "surrogates", "outputs"),
+        needs=("runs",),
+        jobs=fits.jobs,
+        each=("space",),
+        does=fits.gather,
+    ),
+    Stage(
+        "portable",
+        reads=(),
+        needs=("fits",),
+        does=portable.portable,
+        files=Files("surrogates/*.json", portable.documents),
+        kept=False,
+    ),
+    Stage(
+        "comparison",
+        reads=("designs", "outputs"),
+        needs=("runs", "fits"),
+        does=comparison,
+        files=_dataset("comparison.nc"),
+        figures=figures_of,
+    ),
+    Stage(
+        "sensitivity",
+        reads=("sensitivity_method", "space"),
+        needs=("fits", "comparison"),
+        jobs=sensitivity.jobs,
+        does=sensitivity.gather,
+        files=_dataset("sensitivity.nc"),
+        figures=figures_of,
+    ),
+    Stage(
+        "regression",
+        reads=("deterministic",),
+        needs=("fits",),
+        does=regression,
+        files=Files("regression.nc", _regression_file),
+        figures=figures_by_output,
+    ),
+    Stage(
+        "screening",
+        reads=("screening_rule", "sensitivity_method", "space", "outputs", "nominal"),
+        needs=("fits", "comparison", "sensitivity"),
+        does=screening,
+        figures=lambda found: json_data(found.summary()) if found else None,
+    ),
+    Stage(
+        "reduced_study",
+        reads=("name", "about", "words"),
+        needs=("screening",),
+        does=reduced_study,
+        files=_file("study_reduced.yaml", str.encode),
+        kept=False,
+    ),
+    Stage(
+        "validation",
+        reads=("validation_rule", "space", "offered", "fixed"),
+        needs=("fits", "cases"),
+        does=validation,
+        files=_dataset("validation.nc"),
+        figures=figures_of,
+    ),
+    Stage(
+        "report",
+        reads=("name", "about", "space"),
+        needs=(
+            "dataset",
+            "aliasing",
+            "fits",
+            "comparison",
+            "regression",
+            "sensitivity",
+            "screening",
+            "reduced_study",
+            "validation",
+            "not_done",
+        ),
+        does=report,
+        files=_file(REPORT, lambda page: page.html.encode()),
+        kept=False,
+    ),
+    Stage(
+        "summary",
+        reads=("name",),
+        needs=("runs", "figures", "not_done", "stamp"),
+        does=summary,
+        files=_file(SUMMARY, lambda found: text(found).encode()),
+        kept=False,
+    ),
+)

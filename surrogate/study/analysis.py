@@ -1,0 +1,84 @@
+"""A study and its runs on their walk through the stages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from surrogate.errors import StudyError
+from surrogate.stages.digest import digest, of_object, of_runs
+from surrogate.stages.stage import Given, Part, Result, Step
+from surrogate.stages.walk import Walk
+from surrogate.study.study import Study
+from surrogate.validation.validation import fixed_inputs
+
+
+def walk(
+    study: Study,
+    folder: Path,
+    runs: xr.Dataset | None = None,
+    *,
+    workers: int | None = None,
+    progress: Callable[[Step], None] = lambda step: None,
+) -> Walk:
+    """The walk of a study through its stages; nothing is done yet.
+
+    runs: default, what the journal and stored files hold.
+    """
+    runs = study.stored(folder) if runs is None else runs
+    return Walk(
+        parts_of(study),
+        {"runs": Given(Result(runs), of_runs(runs)), "cases": _cases(study, folder)},
+        folder,
+        workers or study.workers,
+        progress,
+    )
+
+
+def _cases(study: Study, folder: Path) -> Given:
+    """The cases of validation, or why there are none."""
+    try:
+        cases = study.cases(results=folder)
+    except StudyError as error:
+        lost = tuple(f"validation: {sentence}" for sentence in error.mistakes)
+        return Given(Result(None, lost), digest(lost))
+    if cases is None:
+        return Given(Result(None), "")
+    columns = [(name, column.tolist()) for name, column in cases.columns.items()]
+    return Given(Result(cases), digest(cases.name, columns, cases.labels, cases.units))
+
+
+def parts_of(study: Study) -> dict[str, Part]:
+    """The parts of a study that stages read, each with the words that it follows from."""
+    words, solver = study.words, study.spec.solver
+    method, rule = study.sensitivity_method, study.validation
+    described = [study.spec.context, repr(dict(solver.inputs)), repr(study.offered)]
+
+    def part(value: Any, *sections: str, more: Any = ()) -> Part:
+        return Part(value, [[words.get(section) for section in sections], more])
+
+    fixed = fixed_inputs(solver, study.space, study.constants)
+    models = {name: spec.context for name, spec in rule.models.items()} if rule else {}
+    return {
+        "name": part(study.name, "study"),
+        "about": part(study.about, "about"),
+        "text": part(study.text, more=study.text),
+        "words": part(words, more=study.text),
+        "space": part(study.space, "parameters", "correlation", more=described),
+        "outputs": part(study.outputs, more=study.outputs),
+        "offered": part(study.offered, more=described),
+        "designs": part(tuple(study.designs), more=tuple(study.designs)),
+        "unsearched": part(study.unsearched, more=study.unsearched),
+        "surrogates": part(study.surrogates, "surrogates"),
+        "deterministic": part(study.spec.deterministic, more=study.spec.deterministic),
+        "sensitivity_method": part(
+            method, "sensitivity", more=of_object(method.function) if method else ""
+        ),
+        "screening_rule": part(study.screening_rule, "screening"),
+        "nominal": part(study.nominal, more=study.nominal),
+        "validation_rule": part(rule, "validation", more=models),
+        "fixed": part(fixed, more=repr(fixed)),
+    }
