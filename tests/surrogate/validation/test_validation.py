@@ -9,6 +9,7 @@ import pytest
 from surrogate.cli import results
 from surrogate.errors import StudyError
 from surrogate.runs import dataset as rundata
+from surrogate.stages.summary import figures_of
 from surrogate.study.study import Study
 from surrogate.validation.agreement import agreement
 
@@ -148,7 +149,7 @@ def test_cases_from_a_runs_dataset_and_from_a_file_given_later(tmp_path):
     assert study.validate(study.fit(runs), runs).sizes["case"] == 25
     results.validate(study, folder)
     assert (folder / "validation.html").exists()
-    json.dumps(results.figures_of(table), allow_nan=False)
+    json.dumps(figures_of(table), allow_nan=False)
 
 
 def test_units_of_a_model_with_other_units(tmp_path):
