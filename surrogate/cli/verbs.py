@@ -9,9 +9,11 @@ Exit status: 0 done; 1 ran, but something failed; 2 the input is wrong; 130 inte
 from __future__ import annotations
 
 import json
+import os
 import sys
 import traceback
 from contextlib import suppress
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NoReturn
 
@@ -246,17 +248,17 @@ def _show(page: Page, as_json: bool) -> None:
 
 def main() -> None:
     """Run the command; people's mistakes end in sentences, never in a traceback."""
-    if sys.argv[1:] in ([], ["-h"], ["--help"]):
-        from surrogate.cli.overview import overview
-
-        print(overview())
-        return
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # paths may hold bytes that are no UTF-8
+            stream.reconfigure(errors="backslashreplace")
     try:
-        app()
+        _carry_out()
     except (StudyError, DesignError, PluginError) as error:
         _stop(error, 2)
     except SurrogateError as error:
         _stop(error, 1)
+    except OSError as error:
+        _stop(_refused(error), 1)
     except Exception as error:  # a mistake of ours, not of the user
         log = Path("surrogate-error.log").absolute()
         with suppress(OSError):
@@ -266,6 +268,29 @@ def main() -> None:
             f"Please report it with {log}",
             1,
         )
+
+
+def _carry_out() -> None:
+    try:
+        if sys.argv[1:] in ([], ["-h"], ["--help"]):
+            from surrogate.cli.overview import overview
+
+            print(overview())
+        else:
+            app()
+    finally:
+        sys.stdout.flush()
+
+
+def _refused(error: OSError) -> str:
+    """What the system refused: a file or folder, or, without a name, the output."""
+    if error.filename is None:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what still waits has nowhere to go
+        return f"the output cannot be written: {error.strerror or error}"
+    return (
+        f"{os.fsdecode(error.filename)}: {error.strerror or error}; make room or choose another "
+        "folder with --results, then do it again. Finished runs are kept"
+    )
 
 
 def _stop(why: object, status: int) -> NoReturn:

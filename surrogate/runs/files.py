@@ -38,8 +38,8 @@ def write_bytes(path: str | Path, content: bytes | memoryview) -> None:
 
 
 def write_text(path: str | Path, text: str) -> None:
-    """Write `text` as UTF-8, whole or not at all."""
-    write_bytes(path, text.encode())
+    """Write `text` as UTF-8, whole or not at all; bytes of paths that were no UTF-8 escaped."""
+    write_bytes(path, text.encode(errors="backslashreplace"))
 
 
 def _mask() -> int:

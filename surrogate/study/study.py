@@ -250,7 +250,8 @@ class Study:
     @property
     def unused(self) -> list[str]:
         """A sentence for each stored file that holds no run of this study: what differs first."""
-        here = self.with_kept_designs().at_hand
+        here = self.with_kept_designs()
+        at_hand = here.at_hand
         return [
             self.source.sentence(
                 ("stored", index),
@@ -258,7 +259,7 @@ class Study:
                 + storing.first_difference(file, self.spec, here._calls, self.outputs),
             )
             for index, file in enumerate(self.stored_runs)
-            if not here._matching([file]).records
+            if not at_hand._matching([file]).records and not here._matching([file]).records
         ]
 
     def run(
