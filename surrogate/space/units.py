@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import pint
+from pint.util import UnitsContainer
 
 from surrogate.errors import StudyError
 
@@ -121,3 +122,20 @@ def quantity(text: str, target: str) -> float:
     if not math.isfinite(value):
         raise StudyError(f"'{text}' is not a finite number")
     return conversion(unit or target, target).place(value)
+
+
+#: Powers of length, mass, time ...: what `dimension` gives; supports *, / and **.
+Dimension = UnitsContainer
+
+
+@lru_cache(maxsize=256)
+def dimension(unit: str) -> Dimension:
+    """Dimension of a unit, such as [length] / [time]; of "" it has none."""
+    found: Dimension = _REGISTRY.get_dimensionality(_REGISTRY.parse_units(unit))
+    return found
+
+
+@lru_cache(maxsize=256)
+def base_unit(unit: str) -> str:
+    """The unit of the same dimension made of metre, kilogram, second, kelvin ..."""
+    return str(_REGISTRY.get_base_units(unit)[1]) if unit else ""
