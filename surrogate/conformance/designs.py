@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -54,9 +55,7 @@ def check_design(
     conclude(_name(method), sentences)
     spaces = {**SPACES, "three ranges": space or SPACES["three ranges"]}
     for number, (kind, one) in enumerate(spaces.items()):
-        sentences += _checked(
-            lambda seed, one=one: method(one, seed=seed, **given), kind, one, must=number == 0
-        )
+        sentences += _checked(partial(_points, method, one, given), kind, one, must=number == 0)
     conclude(_name(method), sentences)
 
 
@@ -111,7 +110,9 @@ def _signature(method: Callable[..., Any], positional: int) -> Iterable[str]:
             yield f"option {p.name} has no type; annotate it, so that a study's value is checked"
 
 
-def _options(method, options: Mapping[str, Any] | None, sentences: list[str]) -> dict[str, Any]:
+def _options(
+    method: Callable[..., Any], options: Mapping[str, Any] | None, sentences: list[str]
+) -> dict[str, Any]:
     given = dict(options or {})
     for p in inspect.signature(method).parameters.values():
         if p.kind is p.KEYWORD_ONLY and p.default is p.empty and p.name not in given:
@@ -120,6 +121,10 @@ def _options(method, options: Mapping[str, Any] | None, sentences: list[str]) ->
             else:
                 sentences.append(f"option {p.name} has no default; give it in `options`")
     return given
+
+
+def _points(method: Callable[..., Any], space: Space, options: Mapping[str, Any], seed: int) -> Any:
+    return method(space, seed=seed, **options)
 
 
 def _checked(call: Callable[[int], Any], kind: str, space: Space, must: bool) -> list[str]:

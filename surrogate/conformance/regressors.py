@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from sklearn.base import clone
 
 from surrogate.conformance.verdict import attempt, conclude, documented, global_randomness, same
@@ -17,6 +18,8 @@ from surrogate.space.space import Parameter, Space
 
 SPACE = Space(tuple(Parameter(name, uniform(0.0, 1.0)) for name in ("length", "width", "height")))
 RUNS, ELSEWHERE = 40, 25
+
+Numbers = NDArray[np.float64]
 
 
 def check_regressor(estimator: Any, *, runs: int = RUNS) -> None:
@@ -31,8 +34,9 @@ def check_regressor(estimator: Any, *, runs: int = RUNS) -> None:
     conclude(name, _behaviour(_prepared(estimator), X, _smooth(X), Z))
 
 
-def _smooth(X: np.ndarray) -> np.ndarray:
-    return 30.0 + 4.0 * X[:, 0] - 2.0 * X[:, 1] + X[:, 0] * X[:, 1] + 0.5 * X[:, 2] ** 2
+def _smooth(X: Numbers) -> Numbers:
+    values: Numbers = 30.0 + 4.0 * X[:, 0] - 2.0 * X[:, 1] + X[:, 0] * X[:, 1] + 0.5 * X[:, 2] ** 2
+    return values
 
 
 def _estimator(estimator: Any) -> Iterable[str]:
@@ -53,7 +57,7 @@ def _prepared(estimator: Any) -> Any:
     return copied.set_params(space=SPACE) if "space" in copied.get_params(deep=False) else copied
 
 
-def _behaviour(estimator: Any, X, y, Z) -> list[str]:
+def _behaviour(estimator: Any, X: Numbers, y: Numbers, Z: Numbers) -> list[str]:
     found: list[str] = []
     mine = X.copy(), y.copy()
     with global_randomness(found):
@@ -83,7 +87,9 @@ def _prediction(values: Any, points: int, what: str) -> Iterable[str]:
         yield f"{what} returned values that are not finite"
 
 
-def _consistency(estimator: Any, fitted: Any, X, y, Z, predicted) -> Iterable[str]:
+def _consistency(
+    estimator: Any, fitted: Any, X: Numbers, y: Numbers, Z: Numbers, predicted: Numbers
+) -> Iterable[str]:
     scale = np.ptp(y)
     parts = np.concatenate([fitted.predict(Z[:7]), fitted.predict(Z[7:8]), fitted.predict(Z[8:])])
     if np.abs(parts - predicted).max() > 1e-8 * scale:
@@ -101,7 +107,7 @@ def _consistency(estimator: Any, fitted: Any, X, y, Z, predicted) -> Iterable[st
         yield "a pickled copy predicts differently; keep all that matters in attributes"
 
 
-def _uncertainty(fitted: Any, Z, predicted) -> Iterable[str]:
+def _uncertainty(fitted: Any, Z: Numbers, predicted: Numbers) -> Iterable[str]:
     if "return_std" not in inspect.signature(fitted.predict).parameters:
         return
     pair, sentences = attempt(

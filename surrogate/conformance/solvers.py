@@ -57,7 +57,7 @@ def _declarations(solver: Any) -> Iterable[str]:
             elif not isinstance(name, str) or not name.isidentifier():
                 yield f"{attribute}['{name}']: a name has letters, digits and _ only"
             else:
-                yield from (_input if kind is Input else _output)(name, one)
+                yield from _input(name, one) if isinstance(one, Input) else _output(name, one)
     if not isinstance(getattr(solver, "version", None), str) or not solver.version:
         yield "has no `version`; give a text, and change it when answers change"
     if not callable(solver):
@@ -102,6 +102,8 @@ def _input(name: str, given: Input) -> Iterable[str]:
     low, high = given.range
     if not low < high:
         yield f"input {name}: range ({low}, {high}) is upside down or empty"
+    elif isinstance(given.nominal, str):
+        yield f"input {name}: nominal {given.nominal!r} is no number; or give levels"
     elif given.nominal is not None and not low <= given.nominal <= high:
         yield f"input {name}: nominal {given.nominal} lies outside its range ({low:g}, {high:g})"
 
@@ -153,7 +155,7 @@ def _answers(solver: Any, runs: int, seed: int) -> Iterable[str]:
         yield from _repeated(solver, nominal, answer)
     for point in others:
         answer, sentences = attempt(
-            f"the point {_written(point)}", lambda p=point: solver(**p), SolverError
+            f"the point {_written(point)}", partial(solver, **point), SolverError
         )
         yield from sentences if answer is None else _answer(solver, answer, point)
     if declared != _described(solver):
@@ -275,7 +277,7 @@ def _pickled(solver: Any, runs: int) -> Iterable[str]:
 def _impossible(solver: Any, points: Sequence[Values]) -> Iterable[str]:
     for point in points:
         answer, sentences = attempt(
-            f"the point {_written(point)}", lambda p=point: solver(**p), SolverError
+            f"the point {_written(point)}", partial(solver, **point), SolverError
         )
         yield from sentences
         if answer is not None:

@@ -27,7 +27,7 @@ def documented(plugin: Any) -> Iterable[str]:
 
 
 def attempt(
-    what: str, call: Callable[[], Any], allowed: type[Exception] | tuple = ()
+    what: str, call: Callable[[], Any], allowed: type[Exception] | tuple[type[Exception], ...] = ()
 ) -> tuple[Any, list[str]]:
     """Result of a call, and a sentence when it raised something that is not `allowed`.
 

@@ -164,7 +164,7 @@ def _as_text(key: yaml.Node, loader: _Loader) -> str:
     """A key as the data have it, written as a text: null is None and 01 is 1."""
     if key.tag == "tag:yaml.org,2002:merge":
         return "<<"
-    return str(loader.construct_object(key, deep=True))  # type: ignore[no-untyped-call]
+    return str(loader.construct_object(key, deep=True))
 
 
 def _position(node: yaml.Node) -> Position:

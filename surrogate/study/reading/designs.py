@@ -148,6 +148,6 @@ def _method(
         taken = parameters_of(function)
         given = {"folder": reading.folder} if "folder" in taken else {}
         if "seed" in taken:
-            given["seed"] = part.options.get("seed", zlib.crc32(path[1].encode()))
+            given["seed"] = part.options.get("seed", zlib.crc32(str(path[1]).encode()))
         return partial(function, **{**part.options, **given})
     return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -56,7 +57,9 @@ def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | 
     return None
 
 
-def _check_training(reading, surrogate: Surrogate, designs, space: Space) -> None:
+def _check_training(
+    reading: Reading, surrogate: Surrogate, designs: Mapping[str, Design], space: Space | None
+) -> None:
     path = ("surrogates", surrogate.name)
     for name in surrogate.train:
         if (
@@ -139,15 +142,17 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
                 "screening",
                 on_key=True,
             )
-        _check_groups(reading, part.method, function)
+        _check_groups(reading, part.method, function, part.groups)
         return SensitivityMethod(
             part.method, function, part.options, part.surrogate, part.confidence, part.groups
         )
     return None
 
 
-def _check_groups(reading: Reading, name: str, function) -> None:
-    groups, path = reading.part.sensitivity.groups, ("sensitivity", "groups")
+def _check_groups(
+    reading: Reading, name: str, function: Any, groups: Mapping[str, tuple[str, ...]]
+) -> None:
+    path = ("sensitivity", "groups")
     if groups and "groups" not in parameters_of(function):
         reading.wrong(
             f"method {name} knows no groups; use method shapley or sobol, or drop them",

@@ -193,7 +193,7 @@ def _categorical(name: str, part: ParameterPart, taken: Input) -> Parameter:
     return Parameter(name, levels=part.levels, description=taken.description)
 
 
-def _correlation(reading: Reading, names: list[str]):
+def _correlation(reading: Reading, names: list[str]) -> tuple[tuple[float, ...], ...] | None:
     if not reading.part.correlation:
         return None
     matrix = np.eye(len(names))

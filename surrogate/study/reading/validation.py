@@ -10,6 +10,7 @@ from surrogate.errors import StudyError, nearest
 from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Output, Solver
 from surrogate.space.space import Space
+from surrogate.study.parts import ValidationPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.solver import solver_of
 from surrogate.validation.cases import Cases, header, lacking, read_csv, read_runs
@@ -45,9 +46,9 @@ def validation_of(
     part = reading.part.validation
     if part is None:
         return None
-    models = _models(reading)
+    models = _models(reading, part)
     offered = {name: solver.outputs[name] for name in kept if name in solver.outputs}
-    outputs = _outputs(reading, offered)
+    outputs = _outputs(reading, part, offered)
     cases = reference = None
     with reading.mistakes_at("validation", "cases"):
         found = cases_at((reading.folder or Path()) / part.cases, part.cases, study_at)
@@ -117,9 +118,11 @@ def check_cases(
         raise StudyError(*mistakes)
 
 
-def _outputs(reading: Reading, offered: Mapping[str, Output]) -> tuple[str, ...]:
+def _outputs(
+    reading: Reading, wanted: ValidationPart, offered: Mapping[str, Output]
+) -> tuple[str, ...]:
     kept = []
-    for index, name in enumerate(reading.part.validation.output):
+    for index, name in enumerate(wanted.output):
         path = ("validation", "output", index)
         if name not in offered:
             reading.wrong(f"the study has no output '{name}'; {nearest(name, offered)}", *path)
@@ -130,9 +133,9 @@ def _outputs(reading: Reading, offered: Mapping[str, Output]) -> tuple[str, ...]
     return tuple(kept)
 
 
-def _models(reading: Reading) -> dict[str, SolverSpec]:
+def _models(reading: Reading, wanted: ValidationPart) -> dict[str, SolverSpec]:
     models = {}
-    for name, part in reading.part.validation.models.items():
+    for name, part in wanted.models.items():
         path = ("validation", "models", name)
         if name in reading.part.surrogates:
             reading.wrong(
