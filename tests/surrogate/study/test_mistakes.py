@@ -106,7 +106,7 @@ MISTAKES = {
         "{method: linear}",
         "{method: linear, train: [train, test]}",
         "13:35",
-        "'test' judges the surrogates",
+        "'test' is held out to test",
     ),
     "seed that is none": ("seed: 1", "seed: null", "10:52", "'seed' is empty: give a whole number"),
     "unit of a text": (
