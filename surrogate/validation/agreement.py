@@ -17,9 +17,8 @@ Altman 2007, the true value varying) and the intervals of the limits from the de
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import stats
 
 #: Name -> (what it is, whether it is in the output's unit).
@@ -49,9 +48,9 @@ FIGURES = {
 
 
 def agreement(
-    reference,
-    model,
-    subjects: Sequence | None = None,
+    reference: ArrayLike,
+    model: ArrayLike,
+    subjects: ArrayLike | None = None,
     *,
     confidence: float = 0.95,
     multiple: float = 1.96,
@@ -77,7 +76,7 @@ def agreement(
     return found | limits(y - x, groups, confidence, multiple)
 
 
-def _groups(subjects, known: np.ndarray) -> np.ndarray:
+def _groups(subjects: ArrayLike | None, known: np.ndarray) -> np.ndarray:
     """Number of the subject of each pair that is known."""
     if subjects is None:
         return np.arange(known.sum())

@@ -50,7 +50,7 @@ class Cases:
 
     def by_subject(self, name: str | None) -> Cases:
         """The same cases with the column `name` for who they were measured on, if it is there."""
-        if name not in self.columns:
+        if name is None or name not in self.columns:
             return self
         return replace(self, columns={**self.columns, SUBJECT: self.columns[name]})
 

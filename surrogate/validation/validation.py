@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from surrogate.errors import SolverError
+from surrogate.execution.answers import evaluate
 from surrogate.fitting.fit import Fit
-from surrogate.runs.identity import SolverSpec, run_inputs
+from surrogate.runs.identity import RunInputs, SolverSpec, run_inputs
 from surrogate.solver import Solver
 from surrogate.space import units
 from surrogate.space.space import Parameter, Space
@@ -93,7 +93,8 @@ def validate(
     why = _outside(space, columns)
     inside = np.array([not words for words in why])
     reference = {name: cases.numbers(name, unit, gaps=True) for name, unit in outputs.items()}
-    answers, notes = {}, _varied(cases, space, fixed or {})
+    answers: dict[str, dict[str, np.ndarray]] = {}
+    notes = _varied(cases, space, fixed or {})
     if inside.any():
         coded = space.encode({name: values[inside] for name, values in columns.items()})
         answers = {
@@ -124,7 +125,7 @@ def _within(parameter: Parameter, value: Any) -> bool:
 
 
 def _off(parameter: Parameter, value: Any) -> str:
-    if parameter.categorical:
+    if parameter.distribution is None:
         return f"{parameter.name} {value} (not {', '.join(parameter.levels)})"
     low, high = parameter.distribution.support
     return f"{parameter.name} {value:.4g} {parameter.unit}".rstrip() + f" ({low:.4g} to {high:.4g})"
@@ -148,19 +149,17 @@ def _of_model(
     columns = cases.inputs(spec.solver.inputs)
     kept = constants_for(spec, fixed, columns)
     offered = spec.solver.outputs
-    values = {name: np.full((3, len(cases.places)), np.nan) for name in outputs if name in offered}
+    wanted = {n: offered[n] for n in outputs if n in offered and not offered[n].dims}
+    values = {name: np.full((3, len(cases.places)), np.nan) for name in wanted}
     refused: list[str] = []
     asked = _calls(spec, columns, kept, len(cases.places))
     for k in np.flatnonzero(inside):
-        try:
-            answer = spec.solver(**asked[k])
-        except Exception as error:  # a model's failure costs its case, whatever it is
-            kind = "" if isinstance(error, SolverError) else f"{type(error).__name__}: "
-            refused.append(f"{cases.labels[k]} ({kind}{error})")
-        else:
-            for name, row in values.items():
-                convert = units.conversion(offered[name].unit, outputs[name])
-                row[0, k] = convert.place(answer[name])
+        answer = evaluate(spec.solver, asked[k], wanted)  # a failure costs its case, no more
+        if answer.status != "ok":
+            refused.append(f"{cases.labels[k]} ({answer.message})")
+        for name, value in answer.outputs.items():
+            convert = units.conversion(offered[name].unit, outputs[name])
+            values[name][0, k] = convert.place(value)
     return values, [f"no answer for case {', '.join(refused)}"] if refused else []
 
 
@@ -171,7 +170,7 @@ def constants_for(
     inputs = spec.solver.inputs
     return {
         name: one.value
-        if inputs[name].levels
+        if isinstance(one.value, str)
         else units.conversion(one.unit, inputs[name].unit).place(one.value)
         for name, one in fixed.items()
         if one.stated and name in inputs and name not in columns
@@ -185,7 +184,9 @@ def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]
         if name not in cases.columns:
             continue
         there, here = (
-            _levels(cases, name, one) if isinstance(one.value, str) else _ends(cases, name, one)
+            _levels(cases, name, one.value)
+            if isinstance(one.value, str)
+            else _ends(cases, name, one.value, one.unit)
         )
         if there:
             said.append(
@@ -195,33 +196,49 @@ def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]
     return said
 
 
-def _levels(cases: Cases, name: str, one: Fixed) -> tuple[str, str]:
+def _levels(cases: Cases, name: str, fixed: str) -> tuple[str, str]:
     """Levels that the cases have besides the fixed one, "" when there are none, and that one."""
-    return ", ".join(sorted({*cases.words(name)} - {one.value, ""})), one.value
+    return ", ".join(sorted({*cases.words(name)} - {fixed, ""})), fixed
 
 
-def _ends(cases: Cases, name: str, one: Fixed) -> tuple[str, str]:
+def _ends(cases: Cases, name: str, fixed: float, unit: str) -> tuple[str, str]:
     """The range that the cases have, "" when it is the fixed value, and that value."""
-    values = cases.numbers(name, one.unit, gaps=True)
+    values = cases.numbers(name, unit, gaps=True)
     ends = (
         dict.fromkeys(f"{end(values):.4g}" for end in (np.nanmin, np.nanmax))
-        if not np.allclose(values[np.isfinite(values)], one.value, rtol=1e-9)
+        if not np.allclose(values[np.isfinite(values)], fixed, rtol=1e-9)
         else ()
     )
-    return f"{' to '.join(ends)} {one.unit}".strip() if ends else "", f"{one.value:.4g}"
+    return f"{' to '.join(ends)} {unit}".strip() if ends else "", f"{fixed:.4g}"
 
 
-def _calls(spec: SolverSpec, columns, constants, count: int) -> list[dict]:
+def _calls(
+    spec: SolverSpec,
+    columns: Mapping[str, np.ndarray],
+    constants: Mapping[str, float | str],
+    count: int,
+) -> list[RunInputs]:
     """The model's arguments for each case; the same ones when it takes no column at all."""
-    return (
-        run_inputs(spec, columns, constants)
-        if columns
-        else [{**{n: one.nominal for n, one in spec.solver.inputs.items()}, **constants}] * count
-    )
+    if columns:
+        return run_inputs(spec, columns, constants)
+    nominal = {
+        name: one.nominal
+        for name, one in spec.solver.inputs.items()
+        if one.nominal is not None and name not in constants
+    }
+    return [{**nominal, **constants}] * count
 
 
 def _dataset(
-    cases: Cases, columns, outputs, reference, answers, inside, why, notes, space: Space
+    cases: Cases,
+    columns: Mapping[str, np.ndarray],
+    outputs: Mapping[str, str],
+    reference: Mapping[str, np.ndarray],
+    answers: Mapping[str, Mapping[str, np.ndarray]],
+    inside: np.ndarray,
+    why: list[str],
+    notes: list[str],
+    space: Space,
 ) -> xr.Dataset:
     names, dims = list(answers), ("model", "output")
     shape = (len(names), len(outputs))
@@ -236,7 +253,7 @@ def _dataset(
             for key, value in agreement(reference[output], seen, cases.subjects).items():
                 figures[key][i, j] = value
             figures["coverage_95"][i, j] = _coverage(reference[output], *predicted[1:, i, j])
-    variables: dict[str, tuple] = {
+    variables: dict[str, tuple[Any, ...]] = {
         "reference": (("output", "case"), np.array([reference[name] for name in outputs])),
         "prediction": ((*dims, "case"), predicted[0]),
         "low": ((*dims, "case"), predicted[1], {"long_name": "lower end of the 95 % interval"}),

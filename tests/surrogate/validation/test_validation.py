@@ -195,6 +195,24 @@ class Fragile:
     assert "poor: no answer for case north (too round)" in table.attrs["notes"]
 
 
+def test_a_model_answers_in_its_unit_or_not_at_all(tmp_path):
+    """A masked value or a text is no answer; the other cases stand."""
+    (tmp_path / "careless.py").write_text("""
+import numpy as np
+from surrogate.solver import Input, Output
+class Careless:
+    version = "1"
+    inputs = {"rw": Input(unit="m", nominal=0.1)}
+    outputs = {"flow": Output(unit="m^3/yr")}
+    def __call__(self, rw):
+        return {"flow": np.ma.masked_array(1e20, True) if rw == 0.1 else 1.0}
+""")
+    study = write(tmp_path, TEXT.replace("again: borehole", "poor: 'careless:Careless'"))
+    table = study.validate({})
+    assert table["n"].values.tolist() == [[1.0]]
+    assert "north (output 'flow' is masked in 1 of 1 places)" in table.attrs["notes"]
+
+
 @pytest.mark.parametrize("column, said", [("subject", ""), ("who", "subject: who, ")])
 def test_several_cases_a_subject(tmp_path, column, said):
     """A column that tells the subject: both parts of the scatter, as `agreement` has them."""
