@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from dataclasses import field as dataclass_field
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
@@ -181,14 +183,8 @@ class Field(RegressorMixin, BaseEstimator):
     def posterior_draws(self, size: int, seed=None) -> list[FieldDraw]:
         """Fields that are as plausible as the mean, given the runs; modes independent."""
         check_is_fitted(self)
-        seeds = np.random.SeedSequence(seed).spawn(len(self.estimators_))
-        by_mode = [
-            model.posterior_draws(size, seed=one)
-            for model, one in zip(self.estimators_, seeds, strict=True)
-        ]
-        return [
-            FieldDraw(self, tuple(draws[number] for draws in by_mode)) for number in range(size)
-        ]
+        drawn = ModeDraws(self, size, np.random.SeedSequence(seed).spawn(len(self.estimators_)))
+        return [FieldDraw(drawn, number) for number in range(size)]
 
     def portable(self) -> dict:
         """JSON-able description; see `surrogate.regressors.portable`."""
@@ -202,21 +198,40 @@ class Field(RegressorMixin, BaseEstimator):
         }
 
 
-@dataclass(frozen=True)
-class FieldDraw:
-    """A plausible field: one draw for the amplitude of each mode of `field`."""
+@dataclass(frozen=True, eq=False)
+class ModeDraws:
+    """Draws of the modes' amplitudes of `field`, made when a mode is first asked for."""
 
     field: Field
-    amplitudes: tuple
+    size: int
+    seeds: Sequence[np.random.SeedSequence]
+    made: dict[int, Sequence[Any]] = dataclass_field(default_factory=dict, repr=False)
 
-    def predict(self, X) -> Array:
+    def of(self, mode: int, number: int) -> Any:
+        """Draw `number` of the amplitude of a mode."""
+        if mode not in self.made:
+            model = self.field.estimators_[mode]
+            self.made[mode] = model.posterior_draws(self.size, seed=self.seeds[mode])
+        return self.made[mode][number]
+
+
+@dataclass(frozen=True)
+class FieldDraw:
+    """A plausible field: draw `number` of the amplitude of each mode."""
+
+    drawn: ModeDraws
+    number: int
+
+    def predict(self, X: ArrayLike) -> Array:
         """Fields (m, ...) at coded X (m, d)."""
-        values = np.array([draw.predict(X) for draw in self.amplitudes]).reshape(-1, len(X)).T
-        return (self.field.mean_ + values @ self.field.modes_).reshape(len(X), *self.field.shape_)
+        field = self.drawn.field
+        draws = [self.drawn.of(k, self.number) for k in range(len(field.modes_))]
+        values = np.array([draw.predict(X) for draw in draws]).reshape(-1, len(X)).T
+        return (field.mean_ + values @ field.modes_).reshape(len(X), *field.shape_)
 
     def sobol_indices(self, groups: Groups | None = None) -> SobolIndices:
         """Indices of its variance summed over places; see `Field.sobol_indices`."""
-        given = () if groups is None else (groups,)
-        leading = self.field.leading_
-        modes = [draw.sobol_indices(*given) for draw in self.amplitudes[:leading]]
-        return self.field._summed([*modes, *self.field._of_modes(groups)[leading:]], groups)
+        given, field = () if groups is None else (groups,), self.drawn.field
+        leading = [self.drawn.of(k, self.number) for k in range(field.leading_)]
+        modes = [draw.sobol_indices(*given) for draw in leading]
+        return field._summed([*modes, *field._of_modes(groups)[field.leading_ :]], groups)

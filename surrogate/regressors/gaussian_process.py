@@ -44,6 +44,8 @@ REFIT = 200
 #: Relative change of the deviance at which a search ends: of the fit, and of a refit to
 #: most of the runs, whose lengths need fewer digits.
 FINE, ROUGH = 2e-9, 1e-6
+#: The same for one of many outputs: a thousandth of -2 log posterior.
+FINE_OF_MANY, ROUGH_OF_MANY = 1e-5, 1e-4
 #: Of many outputs those that hold this share of the variance, and at least so many, are searched
 #: for one by one, of the fit and of a refit; the others take the most probable lengths seen.
 LEADING, LEADING_AGAIN = (0.98, 20), (0.9, 5)
@@ -93,7 +95,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         Y = np.column_stack([model.standard_ for model in models])
         leading, first = _leading(models, *LEADING), models[0]
         start = guesses(first._bounds(), self.seed)
-        return _settled(models, first._search(Y, start, leading, 1, FINE))
+        return _settled(models, first._search(Y, start, leading, 1, FINE_OF_MANY))
 
     def refit_many(
         self, near: list[GaussianProcess], X: ArrayLike, Y: ArrayLike
@@ -111,7 +113,9 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             return _settled(models, places[np.minimum(np.arange(len(models)), len(near) - 1)])
         Y = np.column_stack([model.standard_ for model in models])
         leading = _leading(models, *LEADING_AGAIN)
-        return _settled(models, models[0]._search(Y, np.unique(places, axis=0), leading, 1, ROUGH))
+        return _settled(
+            models, models[0]._search(Y, np.unique(places, axis=0), leading, 1, ROUGH_OF_MANY)
+        )
 
     def _taken(self, X: ArrayLike, Y: Array) -> list[GaussianProcess]:
         """A process for each output, with runs but without lengths."""

@@ -129,10 +129,19 @@ class Parameter:
         """
         if self.categorical:
             return self.coded_levels, np.full(len(self.levels), 1.0 / len(self.levels))
-        nodes, weights = special.roots_legendre(order)
+        nodes, weights = _legendre(order)
         if not self.bounded or self.law.is_uniform:
             return nodes, weights / 2.0
         return _quadrature_of_law(self, order)
+
+
+@lru_cache(maxsize=64)
+def _legendre(order: int) -> tuple[Numbers, Numbers]:
+    """Gauss-Legendre nodes and weights on [-1, 1]."""
+    nodes, weights = special.roots_legendre(order)
+    nodes.setflags(write=False)
+    weights.setflags(write=False)
+    return nodes, weights
 
 
 @lru_cache(maxsize=256)
@@ -144,7 +153,7 @@ def _quadrature_of_law(parameter: Parameter, order: int) -> tuple[Numbers, Numbe
     """
     law = parameter.law
     breaks = np.union1d(np.append(0.0, 0.5 ** np.arange(48.0, 0.0, -1.0)), _kinks(law))
-    x, w = special.roots_legendre(max(16, order))
+    x, w = _legendre(max(16, order))
     half = np.diff(breaks)[:, None] / 2.0
     tail = (breaks[:-1, None] + half + half * x).ravel()
     mass = np.tile((half * w).ravel(), 2)
