@@ -222,7 +222,7 @@ def _learnt(path: Path | None, modes: int) -> dict[str, Any]:
     cohort = cohort_in(path)
     if modes > len(cohort) - 1:
         raise ScanError(
-            f"{modes} modes cannot be learnt from the {len(cohort)} legs in {path}; "
+            f"{modes} modes cannot be computed from the {len(cohort)} legs in {path}; "
             f"give --modes {len(cohort) - 1} or fewer"
         )
     return {

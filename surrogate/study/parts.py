@@ -124,9 +124,7 @@ class SurrogatePart(Part):
 
     method: str = Field(description="See `surrogate list`, or module:Class of scikit-learn.")
     options: dict[str, Any] = {}
-    train: tuple[str, ...] = Field(
-        ("train",), min_length=1, description="Designs that it learns from."
-    )
+    train: tuple[str, ...] = Field(("train",), min_length=1, description="Its training designs.")
 
     @model_validator(mode="before")
     @classmethod

@@ -173,10 +173,10 @@ def _about_pose(known: Directions) -> str:
     """The sentence that says which directions came from the user."""
     if known.up is None:
         return (
-            "direction told by the shape: turned to fit the mean leg, which takes out any "
+            "direction found from the shape: turned to fit the mean leg, which removes any "
             "tilt; give --up to keep it"
         )
-    return "up as given; front " + ("told by the shape" if known.front is None else "as given")
+    return "up as given; front " + ("found from the shape" if known.front is None else "as given")
 
 
 def _check(side: str, unit: str | None, length: float | None, ends: bool) -> None:
@@ -235,7 +235,7 @@ def _sided(start: Start, basis: Basis, side: str, length: float | None, ends: bo
         )
     return replace(
         best,
-        note=f"{best.side} leg: told by the shape, the other side fits "
+        note=f"{best.side} leg: found from the shape, the other side fits "
         f"{worse:.0%} worse; give --side if that is wrong",
     )
 

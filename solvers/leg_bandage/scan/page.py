@@ -47,9 +47,9 @@ def cohort_page(grown: GrownCohort, folder: Path) -> str:
     """Reconstruction error against the number of modes, as Figure 1 of Chassagne et al. 2018."""
     modes = np.array([loss.modes for loss in grown.losses])
     lines = {
-        "95 %, learnt from": [loss.percentile_95 for loss in grown.losses],
+        "95 %, legs of the basis": [loss.percentile_95 for loss in grown.losses],
         "95 %, left out": [loss.left_out_95 for loss in grown.losses],
-        "RMS, learnt from": [loss.rms for loss in grown.losses],
+        "RMS, legs of the basis": [loss.rms for loss in grown.losses],
     }
     drawing = curves(
         modes,

@@ -1,4 +1,4 @@
-"""Parity and residual plots: what the surrogate says beside what the solver said."""
+"""Parity and residual plots: predicted values of the surrogate, simulated ones of the solver."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def parity_plot(data: Parity, output: str, unit: str, surrogate: str) -> Markup:
     return drawing(
         360,
         340,
-        panel.frame(digits.labelled("solver", unit), digits.labelled("surrogate", unit)),
+        panel.frame(digits.labelled("simulated", unit), digits.labelled("predicted", unit)),
         diagonal,
         group(*bars),
         group(*marks),
@@ -46,7 +46,7 @@ def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Marku
         360,
         340,
         panel.frame(
-            digits.labelled("surrogate", unit), digits.labelled("solver minus surrogate", unit)
+            digits.labelled("predicted", unit), digits.labelled("simulated minus predicted", unit)
         ),
         zero,
         group(*marks),
@@ -75,6 +75,6 @@ def _tip(data: Parity, k: int, unit: str) -> str:
         else digits.fixed(data.predicted[k], decimals)
     )
     return (
-        f"solver {digits.with_unit(digits.fixed(data.observed[k], decimals), unit)}\n"
-        f"surrogate {digits.with_unit(predicted, unit)}"
+        f"simulated {digits.with_unit(digits.fixed(data.observed[k], decimals), unit)}\n"
+        f"predicted {digits.with_unit(predicted, unit)}"
     )

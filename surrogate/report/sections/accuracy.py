@@ -149,6 +149,11 @@ def margin(content: Content, output: str) -> str:
     return words[:1].upper() + words[1:]
 
 
+def runner_up(content: Content, output: str) -> str:
+    """The second best surrogate and how far it is behind: the margin's second sentence."""
+    return margin(content, output).partition("). ")[2]
+
+
 def _calibration(content: Content, table: xr.Dataset, output: str) -> list[Figure]:
     """Coverage of the best surrogate's intervals at each level, when known."""
     best = content.best(output)
@@ -157,7 +162,7 @@ def _calibration(content: Content, table: xr.Dataset, output: str) -> list[Figur
     observed = np.asarray(table["coverage"].sel(surrogate=best, output=output).values, float)
     if not np.isfinite(observed).any():
         return []
-    held = _held_out(content, output)
+    held = held_out(content, output)
     plot = calibration_plot(table["level"].values, observed, held, f"{best} for {output}")
     return [
         Figure(
@@ -169,7 +174,7 @@ def _calibration(content: Content, table: xr.Dataset, output: str) -> list[Figur
     ]
 
 
-def _held_out(content: Content, output: str) -> int:
+def held_out(content: Content, output: str) -> int:
     """Number of finished runs that coverage was counted on: those of the test design.
 
     Of a study without one, the runs in no training design of the output.

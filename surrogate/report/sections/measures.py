@@ -21,9 +21,9 @@ METHODS = {
 }
 #: What the measures of the methods that ship are, and the power of the output's unit in them.
 KNOWN = {
-    "mu_star": (1, "mean size of the elementary effects (Morris)"),
+    "mu_star": (1, "mean absolute elementary effect (Morris)"),
     "mu": (1, "mean elementary effect (Morris)"),
-    "sigma": (1, "spread of the elementary effects: curvature or interaction (Morris)"),
+    "sigma": (1, "standard deviation of the elementary effects: curvature or interaction (Morris)"),
     "nu": (2, "mean squared derivative"),
     "total_bound": (0, "upper bound of the total index, from derivatives"),
     "median": (0, "median distance of the conditional distributions (PAWN)"),
@@ -34,9 +34,9 @@ KNOWN = {
         0,
         "share of the variance explained by the parameter and what depends on it",
     ),
-    "independent_total": (0, "share of the variance that only the parameter's own part makes"),
-    "effect": (1, "change of the output from the smallest to the largest value, others resting"),
-    "share": (0, "share of the sum of sizes of the effects"),
+    "independent_total": (0, "share of the variance due to the independent part of the parameter"),
+    "effect": (1, "change of the output from the smallest to the largest value, others fixed"),
+    "share": (0, "share of the sum of the absolute effects"),
     "share_squared": (0, "share of the sum of squares of the effects"),
 }
 

@@ -10,7 +10,7 @@ from surrogate.report.blocks import Block, Fact, Facts, Points, Section, Text
 from surrogate.report.content import POOR_Q2, Content
 from surrogate.report.parity import learnt_only_from
 from surrogate.report.sections import groups, screening
-from surrogate.report.sections.accuracy import margin
+from surrogate.report.sections.accuracy import held_out, runner_up
 from surrogate.report.sections.designs import roman
 from surrogate.report.sections.indices import DECIMALS, of_output, refusal
 from surrogate.report.sections.measures import index, measures_of, method_of, names_of, unit_of
@@ -86,7 +86,8 @@ def _best(content: Content, best: str, output: str, suffix: str) -> Fact:
     held = np.isfinite(row.get("q2_test", np.nan))
     how = "test" if held else "cv"
     error = row.get(f"rmse_{how}", np.nan)
-    kind = "on held-out runs" if held else "in cross-validation"
+    count = digits.quantity(held_out(content, output), "held-out run")
+    kind = f"on {count}" if held else "in cross-validation"
     if not np.isfinite(error):
         return Fact(
             f"Best surrogate{suffix}",
@@ -101,17 +102,14 @@ def _best(content: Content, best: str, output: str, suffix: str) -> Fact:
             f"{best}, exact to rounding",
             f"It reproduces the solver {kind}: the solver itself has this form.",
         )
-    words = [f"Q² {digits.score(row.get(f'q2_{how}', np.nan))} {kind}."]
+    words = f"Q² {digits.score(row.get(f'q2_{how}', np.nan))} {kind}"
     if spread > 0:
-        words.append(
-            f"The output varies by {digits.with_unit(digits.figure(spread), unit)} "
-            "(standard deviation)."
-        )
-    said = margin(content, output)
+        scatter = digits.with_unit(digits.figure(spread), unit)
+        words += f"; the output has a standard deviation of {scatter}"
     return Fact(
         f"Best surrogate{suffix}",
-        f"{best}, typical error {digits.with_unit(digits.figure(error, 2), unit)}",
-        " ".join([*words, said]),
+        f"{best}, RMSE {digits.with_unit(digits.figure(error, 2), unit)}",
+        f"{words}. {runner_up(content, output)}".rstrip(),
     )
 
 

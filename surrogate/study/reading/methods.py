@@ -29,7 +29,7 @@ GIVEN_TO_SENSITIVITY = ("fit", "space", "confidence", "q2", "groups")
 def surrogates_of(
     reading: Reading, designs: Mapping[str, Design], space: Space | None
 ) -> dict[str, Surrogate]:
-    """Unfitted estimators by name, each with the designs it learns from."""
+    """Unfitted estimators by name, each with its training designs."""
     surrogates = {}
     for name, part in reading.part.surrogates.items():
         found = _surrogate(reading, name, part)
@@ -68,7 +68,7 @@ def _check_training(
             and name not in reading.part.designs
         ):
             reading.wrong(
-                f"learns from design '{name}', which the study has not; "
+                f"trains on design '{name}', which the study does not have; "
                 f"{nearest(name, reading.part.designs)}",
                 *path,
                 "train",
@@ -76,7 +76,7 @@ def _check_training(
     if "test" in surrogate.train:
         reading.wrong(
             "design 'test' is held out to test the surrogates; it cannot train them; give the "
-            "design another name, or learn from others",
+            "design another name, or train on others",
             *path,
             "train",
         )

@@ -59,7 +59,7 @@ def test_best_surrogate_is_the_comparisons(shown):
     best = str(content.comparison["best"].sel(output="pressure_b1").item())
     error = float(content.comparison["rmse_test"].sel(surrogate=best, output="pressure_b1"))
     answer = next(tree.all("section", id="answer")).text
-    assert f"{best}, typical error {digits.figure(error, 2)}" in answer
+    assert f"{best}, RMSE {digits.figure(error, 2)}" in answer
     assert "1 of 80 runs failed" in answer
 
 
