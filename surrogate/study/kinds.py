@@ -12,8 +12,9 @@ from typing import Any
 from typing_extensions import get_type_hints
 
 from surrogate.errors import PluginError
+from surrogate.stages.plugin import parameters_of
 from surrogate.study.plugins import AUGMENTATIONS, DESIGNS, REGRESSORS, SOLVERS
-from surrogate.study.solver_factory import is_built, parameters_of
+from surrogate.study.solver_factory import is_built
 
 
 def check_kind(group: str, name: str, found: Any) -> None:

@@ -17,7 +17,8 @@ from pydantic import (
 from typing_extensions import get_type_hints
 
 from surrogate.errors import KeyPath, Mistake, nearest
-from surrogate.study.solver_factory import is_built, parameters_of
+from surrogate.stages.plugin import parameters_of
+from surrogate.study.solver_factory import is_built
 
 
 def option_mistakes(

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from surrogate.errors import FitError, ResultsError, StudyError, nearest
+from surrogate.fitting.fit import Fit
 from surrogate.space.space import Space
 from surrogate.stages.walk import Walk
 from surrogate.study.analysis import walk
 from surrogate.study.study import Study
 from surrogate.validation.cases import Cases, read_csv
+
+Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,13 @@ def predict(
     )
 
 
-def _row(space: Space, physical, inside, outputs, i: int) -> dict[str, Any]:
+def _row(
+    space: Space,
+    physical: Mapping[str, Any],
+    inside: NDArray[np.bool_],
+    outputs: Mapping[str, tuple[str, Numbers, Numbers, Numbers]],
+    i: int,
+) -> dict[str, Any]:
     return {
         "point": i,
         "inputs": {name: np.asarray(physical[name])[i].item() for name in space.names},
@@ -79,7 +89,7 @@ def _row(space: Space, physical, inside, outputs, i: int) -> dict[str, Any]:
     }
 
 
-def _with_interval(fit, coded):
+def _with_interval(fit: Fit, coded: Numbers) -> tuple[Numbers, Numbers, Numbers]:
     return fit.predict(coded), *fit.interval(coded)
 
 
@@ -149,7 +159,7 @@ def _columns(space: Space, given: Cases, mistakes: list[str]) -> dict[str, np.nd
     missing = [name for name in space.names if name not in given.columns]
     if missing:
         mistakes.append(f"{given.name}: no value for {', '.join(missing)}".removeprefix(": "))
-    columns = {}
+    columns: dict[str, Any] = {}
     for parameter in space.parameters:
         if parameter.name not in missing:
             try:
