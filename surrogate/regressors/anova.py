@@ -110,20 +110,35 @@ def shifted(indices: SobolIndices, constant: float) -> SobolIndices:
     return replace(indices, mean=indices.mean + constant)
 
 
-def _low_order(c, means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
+def _low_order(
+    c: np.ndarray, means: np.ndarray, centred: list[np.ndarray], weights: list[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
     """Var E[f | x_i] (d, functions) and the parts of pairs (d, d, functions)."""
     size = len(centred)
+    varies = np.array([(g != g[:, :1]).any(axis=1) for g in centred])
+    meet = varies.astype(int) @ varies.T
     alone, pairs = np.zeros((size, c.shape[1])), np.zeros((size, size, c.shape[1]))
+    lone = _product_of_others(means)
     for i in range(size):
-        scaled = c.T * np.delete(means, i, axis=0).prod(axis=0)
-        alone[i] = (scaled @ centred[i]).real ** 2 @ weights[i]
+        alone[i] = ((c.T * lone[i]) @ centred[i]).real ** 2 @ weights[i]
+        others = means.copy()
+        others[i] = 1.0
+        others = _product_of_others(others)
         for j in range(i):
-            scaled = c.T * np.delete(means, [i, j], axis=0).prod(axis=0)
-            pairs[i, j] = pairs[j, i] = [
-                weights[i] @ ((centred[i].T * one) @ centred[j]).real ** 2 @ weights[j]
-                for one in scaled
-            ]
+            if meet[i, j]:  # else no term varies with both
+                pairs[i, j] = pairs[j, i] = [
+                    weights[i] @ ((centred[i].T * one) @ centred[j]).real ** 2 @ weights[j]
+                    for one in c.T * others[j]
+                ]
     return alone, pairs
+
+
+def _product_of_others(rows: np.ndarray) -> np.ndarray:
+    """For each row the product of all other rows, (d, T); no division, as rows may be zero."""
+    before, after = np.ones_like(rows), np.ones_like(rows)
+    np.cumprod(rows[:-1], axis=0, out=before[1:])
+    np.cumprod(rows[:0:-1], axis=0, out=after[-2::-1])
+    return before * after
 
 
 def _of_groups(c, means, centred, weights, groups: Groups):

@@ -145,6 +145,15 @@ def _legendre(order: int) -> tuple[Numbers, Numbers]:
 
 
 @lru_cache(maxsize=256)
+def _legendre(order: int) -> tuple[Numbers, Numbers]:
+    """Nodes and weights of Gauss and Legendre's rule on [-1, 1]."""
+    nodes, weights = special.roots_legendre(order)
+    for array in (nodes, weights):
+        array.setflags(write=False)  # they are shared by all who ask
+    return nodes, weights
+
+
+@lru_cache(maxsize=256)
 def _quadrature_of_law(parameter: Parameter, order: int) -> tuple[Numbers, Numbers]:
     """Gauss rule of a parameter's coded law, from Gauss-Legendre panels of the probability.
 
