@@ -20,7 +20,8 @@ class Design:
     name      as in the study: train, test, ...
     method    what makes it
     options   of that method, its seed included
-    rows      number of points, augmentations included
+    rows      number of points, augmentations included; of a search with augmentations that
+              leave out what is there already, at most
     find      gives the points; a search may take a while
     added     (augmentation, number of rows) in the order of the rows at the end
     searched  True when `find` is a search: its points are kept, and found only for a run

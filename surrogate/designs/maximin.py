@@ -20,6 +20,8 @@ Ranks = NDArray[np.int64]
 
 #: Exchanges by default: so many a run, with exchanges x runs at most this, but at least so many.
 EXCHANGES, LARGEST_WORK, FEWEST = 12, 2.5e6, 500
+#: Designs of fewer runs are the best of several searches, which share the exchanges.
+SEVERAL = 50
 #: An exchange is the best of this many; its first point has the largest potential of this share.
 TRIED, DRAWN = 40, 0.03
 #: An exchange may raise phi by this share of the first point's potential, at the start.
@@ -43,19 +45,24 @@ def maximin(ranks: Ranks, rng: np.random.Generator, effort: float = 1.0) -> Rank
     if runs < 3 or parameters < 2 or runs > LARGEST:
         return ranks
     usual = max(FEWEST, min(EXCHANGES * runs, LARGEST_WORK / runs))
-    exchanges = max(1, round(effort * usual))
-    interval = max(100, runs)
-    search = Search(ranks.astype(float))
-    best, best_quality, measured = ranks, search.quality, 0
+    starts = max(1, SEVERAL // runs)
+    best = Search(ranks.astype(float))
+    for start in range(starts):
+        begun = Search(rng.permuted(best.x, axis=0) if start else best.x.copy())
+        found = _searched(begun, max(1, round(effort * usual / starts)), rng)
+        best = max(best, found, key=lambda search: search.quality)
+    return best.x.astype(np.int64)
+
+
+def _searched(search: Search, exchanges: int, rng: np.random.Generator) -> Search:
+    """The search after so many exchanges, with a threshold that falls to zero."""
+    interval = max(100, len(search.x))
     for step in range(exchanges):
-        if step - measured == interval or search.faded:
+        if step % interval == 0 or search.faded:
             search.measure()
-            measured = step
-            if search.quality > best_quality:
-                best, best_quality = search.x.astype(np.int64), search.quality
         search.exchange(THRESHOLD * (1.0 - step / exchanges), rng)
     search.measure()
-    return search.x.astype(np.int64) if search.quality > best_quality else best
+    return search
 
 
 class Search:

@@ -43,6 +43,50 @@ def test_maximin_is_the_true_optimum_in_two_dimensions(cube, runs):
     assert found == pytest.approx(smallest.max(), abs=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_maximin_reaches_the_published_distance_of_ten_runs(cube, seed):
+    """Van Dam, Husslage, den Hertog and Melissen 2007: root of 10 steps in two dimensions."""
+    coded = latin_hypercube(cube(2), runs=10, seed=seed)
+    assert min(pdist(coded) * 10 / 2) ** 2 == pytest.approx(10, abs=1e-9)
+
+
+@pytest.mark.parametrize("runs, k", [(30, 7), (60, 5), (100, 7)])
+def test_maximin_is_as_far_apart_as_smts(cube, runs, k):
+    """SMT's enhanced stochastic evolution (Jin, Chen and Sudjianto 2005), means of three."""
+    sampling = pytest.importorskip("smt.sampling_methods")
+    limits = np.tile([0.0, 1.0], (k, 1))
+    theirs = [
+        pdist(sampling.LHS(xlimits=limits, criterion="ese", seed=seed)(runs)).min()
+        for seed in range(3)
+    ]
+    ours = [pdist(latin_hypercube(cube(k), runs=runs, seed=seed)).min() / 2 for seed in range(3)]
+    assert np.mean(ours) > np.mean(theirs)
+
+
+def test_more_effort_is_further_apart(cube):
+    """Means of three seeds, ten times the exchanges."""
+    usual, more = (
+        np.mean(
+            [
+                pdist(latin_hypercube(cube(5), runs=40, effort=effort, seed=seed)).min()
+                for seed in range(3)
+            ]
+        )
+        for effort in (1, 10)
+    )
+    assert more > 1.02 * usual
+
+
+def test_maximin_is_the_same_everywhere(cube):
+    """Sums of the search are exact, so that no processor rounds it into another design."""
+    ranks = slices(latin_hypercube(cube(3), runs=11, seed=0), 11)
+    assert ranks.T.tolist() == [
+        [9, 4, 2, 10, 0, 1, 8, 7, 3, 6, 5],
+        [7, 1, 3, 2, 4, 8, 6, 10, 9, 0, 5],
+        [1, 0, 9, 4, 3, 8, 10, 6, 2, 7, 5],
+    ]
+
+
 @pytest.mark.parametrize("runs, k", [(20, 3), (30, 7), (60, 5)])
 def test_maximin_beats_the_best_of_many_random_ones(cube, runs, k):
     """Smallest distance at least 15 % above the best of 2000 random Latin hypercubes."""
