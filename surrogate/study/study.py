@@ -27,7 +27,7 @@ from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_
 from surrogate.runs.journal import read as read_journal
 from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
 from surrogate.sensitivity.screening import Screening
-from surrogate.solver import Output, broken
+from surrogate.solver import Output, broken, constraints_of
 from surrogate.space.space import Space
 from surrogate.stages import fits as fitting
 from surrogate.stages import sensitivity as analysing
@@ -163,10 +163,11 @@ class Study:
     def broken_constraints(self) -> dict[str, dict[str, int]]:
         """How many points of each design break a constraint of the solver, by its sentence.
 
-        Designs all of whose points keep all constraints are left out.
+        Designs all of whose points keep all constraints are left out. Points are asked for only
+        where the solver declares constraints.
         """
         found = {}
-        for name, coded in self.points.items():
+        for name, coded in self.points.items() if constraints_of(self.spec.solver) else ():
             columns = physical_columns(self.space, {name: coded})
             calls = run_inputs(self.spec, columns, self.constants)
             found[name] = broken(self.spec.solver, calls)
