@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from surrogate.designs import columns
+from surrogate.designs import regular_fraction
 from surrogate.space.space import Space
 
 #: With more generators than this, the defining words are too many to list.
@@ -66,9 +66,9 @@ def aliasing(space: Space, coded) -> Aliasing | None:
     if basis is None:
         return None
     rows = np.unique(corners, axis=0)
-    lengths = columns.word_lengths((rows != rows[0]).sum(axis=1), space.size)
+    lengths = regular_fraction.word_lengths((rows != rows[0]).sum(axis=1), space.size)
     return Aliasing(
-        columns.resolution(lengths),
+        regular_fraction.resolution(lengths),
         lengths[3:],
         _words(basis, rows[0], space.names),
         _table(rows, space.names),

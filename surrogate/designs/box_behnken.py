@@ -11,7 +11,7 @@ import itertools
 
 import numpy as np
 
-from surrogate.designs import columns
+from surrogate.designs import regular_fraction
 from surrogate.designs.center_points import centers
 from surrogate.designs.requirements import continuous
 from surrogate.errors import DesignError
@@ -105,7 +105,7 @@ def _block_runs(block: tuple[int, ...], parameters: int) -> np.ndarray:
     """Two-level factorial in the block; blocks of 5 take the half fraction E = ABCD."""
     base = min(len(block), 4)
     masks = [*(1 << i for i in range(base)), 0b1111][: len(block)]
-    corners = columns.matrix(masks, base)
+    corners = regular_fraction.matrix(masks, base)
     runs = np.zeros((len(corners), parameters))
     runs[:, block] = corners
     return runs

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from surrogate.designs import columns
+from surrogate.designs import regular_fraction
 from surrogate.designs.axial_points import star
 from surrogate.designs.center_points import centers
 from surrogate.designs.minimum_aberration import fewest_runs
@@ -50,7 +50,7 @@ def _corners(space: Space, cube: str) -> np.ndarray:
         masks = fewest_runs(k, 5, k)
     base = max(masks).bit_length()
     affordable(2**base, "central_composite", "use cube: fraction, d_optimal or latin_hypercube")
-    return columns.matrix(masks, base)
+    return regular_fraction.matrix(masks, base)
 
 
 def _ratio(alpha: str | float, runs: int, parameters: int) -> float:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from surrogate.designs import columns
 from surrogate.designs import generators as products
+from surrogate.designs import regular_fraction
 from surrogate.designs.center_points import centers
 from surrogate.designs.minimum_aberration import fewest_runs, fraction
 from surrogate.designs.requirements import affordable, two_level, whole
@@ -48,7 +48,7 @@ def fractional_factorial(
         coded = _by_generators(space, generators)
     else:
         masks = _by_resolution(space, resolution) if runs is None else _by_runs(space, runs)
-        coded = columns.matrix(masks, max(masks).bit_length())
+        coded = regular_fraction.matrix(masks, max(masks).bit_length())
     return np.vstack([coded, centers(space, center_points)])
 
 

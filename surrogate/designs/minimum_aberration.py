@@ -15,7 +15,7 @@ from functools import cache
 
 import numpy as np
 
-from surrogate.designs import columns
+from surrogate.designs import regular_fraction
 
 #: (factors, generators) -> products of base factors A, B, ... that make the other factors.
 TABLE = {
@@ -65,7 +65,9 @@ def fewest_runs(factors: int, resolution: int, largest_base: int) -> tuple[int, 
     """
     for base in range(_least_base(factors, resolution), min(factors, largest_base) + 1):
         masks = fraction(factors, base)
-        reached = columns.resolution(columns.word_lengths(columns.weights(masks, base), factors))
+        reached = regular_fraction.resolution(
+            regular_fraction.word_lengths(regular_fraction.weights(masks, base), factors)
+        )
         if reached is None or reached >= resolution:
             return masks
     return None
@@ -97,7 +99,7 @@ def search(factors: int, base: int) -> tuple[int, ...]:
 
 
 def _pattern(masks: tuple[int, ...], base: int) -> tuple[int, ...]:
-    return columns.word_lengths(columns.weights(masks, base), len(masks))
+    return regular_fraction.word_lengths(regular_fraction.weights(masks, base), len(masks))
 
 
 def _least_base(factors: int, resolution: int) -> int:
@@ -141,7 +143,9 @@ def _exchange(masks: tuple[int, ...], base: int) -> tuple[int, ...]:
     """Replace one column at a time while that improves the word-length pattern."""
     if base > LARGEST_EXCHANGE or len(masks) > MOST_EXCHANGED:
         return masks
-    everything = np.rint((1 - columns.matrix(range(1, 2**base), base)) / 2).astype(np.int32)
+    everything = np.rint((1 - regular_fraction.matrix(range(1, 2**base), base)) / 2).astype(
+        np.int32
+    )
     masks, improved = list(masks), True
     while improved:
         improved = False
@@ -160,7 +164,7 @@ def _best_exchange(masks: list[int], position: int, everything: np.ndarray) -> i
     free = np.setdiff1d(np.arange(everything.shape[1]), [*others, present])
     free = np.concatenate([[present], free])
     weight = everything[:, others].sum(axis=1)[:, None] + everything[:, free]
-    numbers = columns.krawtchouk(factors)
+    numbers = regular_fraction.krawtchouk(factors)
     patterns = [np.array(numbers[i])[weight].sum(axis=0) for i in COMPARED if i <= factors]
     best = np.lexsort(patterns[::-1])[0]
     tied = all(pattern[best] == pattern[0] for pattern in patterns)

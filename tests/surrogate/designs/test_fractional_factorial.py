@@ -6,7 +6,7 @@ import operator
 import numpy as np
 import pytest
 
-from surrogate.designs import columns
+from surrogate.designs import regular_fraction
 from surrogate.designs.aliasing import aliasing
 from surrogate.designs.fractional_factorial import fractional_factorial
 from surrogate.designs.full_factorial import full_factorial
@@ -88,7 +88,7 @@ def test_search_is_as_good_as_the_table(size):
     factors, generators = size
     base = factors - generators
     lengths = [
-        columns.word_lengths(columns.weights(masks, base), factors)
+        regular_fraction.word_lengths(regular_fraction.weights(masks, base), factors)
         for masks in (search(factors, base), fraction(factors, base))
     ]
     assert lengths[0] == lengths[1]
@@ -148,7 +148,7 @@ def test_fractions_beyond_the_table(factors, resolution, base):
 def test_minimum_aberration_beyond_the_table(factors, base, pattern):
     """Chen, Sun and Wu 1993 (word-length patterns of minimum aberration fractions)."""
     masks = fraction(factors, base)
-    lengths = columns.word_lengths(columns.weights(masks, base), factors)
+    lengths = regular_fraction.word_lengths(regular_fraction.weights(masks, base), factors)
     assert lengths[3 : 3 + len(pattern)] == pattern
 
 
@@ -161,7 +161,9 @@ def test_word_lengths_agree_with_enumeration():
         for mask, used in zip(masks, chosen, strict=True):
             total ^= mask * used
         counted[sum(chosen)] += total == 0
-    assert columns.word_lengths(columns.weights(masks, base), len(masks)) == tuple(counted)
+    assert regular_fraction.word_lengths(
+        regular_fraction.weights(masks, base), len(masks)
+    ) == tuple(counted)
 
 
 def test_traps_of_other_programs(cube):

@@ -1,4 +1,4 @@
-"""Columns of a regular two-level fraction, as bit masks over its base factors.
+"""Regular two-level fractions: their columns as bit masks over the base factors.
 
 A fraction with 2^m runs has m base factors that take all combinations; every other
 factor is the product of some of them. Factor `0b101` is the product of base factors
