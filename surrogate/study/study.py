@@ -152,6 +152,8 @@ class Study:
     @property
     def at_hand(self) -> Study:
         """The same study, without the points of designs that would have to be searched for."""
+        if all(design.at_hand for design in self.designs.values()):
+            return self
         none = np.empty((0, self.space.size))
         designs = {
             name: design if design.at_hand else design.with_points(none)
