@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import qmc
 from sklearn.utils.estimator_checks import check_estimator
 
-from surrogate.designs.columns import matrix as two_level
+from surrogate.designs.regular_fraction import matrix as two_level
 from surrogate.errors import FitError
 from surrogate.regressors.chaos import PolynomialChaos, best_count, pursue
 from surrogate.regressors.orthogonal import basis, hyperbolic
