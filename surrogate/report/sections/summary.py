@@ -191,8 +191,9 @@ def warnings(content: Content) -> list[str]:
         names = learnt_only_from(content, design)
         if aliasing.resolution == 3 and names:
             said.append(
-                f"Design {design}, the training design of {digits.listing(names)}, has resolution "
-                f"{roman(3)}: main effects are aliased with two-factor interactions."
+                f"Design {design}, the training design of "
+                f"{'surrogate' if len(names) == 1 else 'surrogates'} {digits.listing(names)}, has "
+                f"resolution {roman(3)}: main effects are aliased with two-factor interactions."
             )
     return said
 
