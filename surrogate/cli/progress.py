@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 import sys
+import time
+from collections.abc import Callable
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+)
 
 from surrogate.execution.execute import Progress as Tally
+from surrogate.stages.stage import Step
 
 
 class RunsBar:
@@ -54,6 +65,58 @@ class RunsBar:
         if self.bar.disable and tenth != self.tenth:
             self.tenth = tenth
             print(f"{tally.done}/{tally.total} runs {_note(tally)}".rstrip(), file=sys.stderr)
+
+
+#: Seconds between two lines about the stages where there is no terminal.
+A_LINE = 60.0
+
+
+class StagesBar:
+    """Shows the `Step` that the analysis is at: a line that changes on a terminal, else a line
+    a minute.
+
+    Use as `with StagesBar(name) as bar: analyse(..., steps=bar)`.
+    """
+
+    def __init__(self, name: str, clock: Callable[[], float] = time.monotonic):
+        console = Console(stderr=True)
+        self.name, self.clock, self.said = name, clock, clock()
+        self.bar = Progress(
+            SpinnerColumn(),
+            TextColumn(name),
+            TextColumn("{task.description}", markup=False),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        )
+        self.task: TaskID | None = None
+
+    def __enter__(self) -> StagesBar:
+        self.bar.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.bar.stop()
+
+    def __call__(self, step: Step) -> None:
+        """Show what is done now."""
+        text = _said(step)
+        if self.task is not None:
+            self.bar.remove_task(self.task)
+        self.task = self.bar.add_task(text)
+        if self.bar.disable and self.clock() - self.said >= A_LINE:
+            self.said = self.clock()
+            print(f"{self.name}: {text}", file=sys.stderr)
+
+
+def _said(step: Step) -> str:
+    """`fits: gp of flow (3 of 8), 12 s left`."""
+    stage = step.stage.replace("_", " ")
+    if not step.label:
+        return stage
+    left = f", {duration(step.seconds_left)} left" if step.seconds_left is not None else ""
+    return f"{stage}: {step.label} ({step.done + 1} of {step.total}){left}"
 
 
 def _waited_for(runs: int) -> str:

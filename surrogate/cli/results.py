@@ -62,7 +62,7 @@ def folder_of(study: Study, results: Path | None) -> Path:
     return study.folder if results is None else results / study.name
 
 
-def complete(
+def do_runs(
     study: Study,
     folder: Path,
     *,
@@ -70,12 +70,11 @@ def complete(
     retry_failed: bool = False,
     fresh: bool = False,
     progress: Callable[[Progress], None] | None = None,
-    steps: Callable[[Step], None] = lambda step: None,
-) -> Outcome:
-    """Do the missing runs (`fresh`: all of them again), then everything that follows from them.
+) -> xr.Dataset:
+    """Do the missing runs (`fresh`: all of them again); returns the runs dataset.
 
     The missing runs of a study that gives the cases of validation are done too.
-    Raises KeyboardInterrupt when stopped; all finished runs and stages are kept.
+    Raises KeyboardInterrupt when stopped; all finished runs are kept.
     """
     try:
         runs = study.run(
@@ -93,7 +92,7 @@ def complete(
     except KeyboardInterrupt:
         rundata.save(study.stored(folder), folder / RUNS)
         raise
-    return analyse(study, folder, runs, workers=workers, steps=steps)
+    return runs
 
 
 def analyse(
@@ -109,13 +108,18 @@ def analyse(
 
     runs: default, what the journal and stored files hold. Only what is out of date, missing
     or damaged is made; `again`: the report in any case. Raises `ResultsError` when nothing
-    was run.
+    was run, KeyboardInterrupt when stopped; all finished stages are kept.
     """
     runs = study.stored(folder) if runs is None else runs
     if (runs["status"] == "missing").all():
         raise ResultsError(f"{folder} holds no runs of this study; do `surrogate run` first")
     stages = walk(study, folder, runs, workers=workers, progress=steps)
-    fresh = stages.write(again=["report"] if again else [])
+    try:
+        fresh = stages.write(again=["report"] if again else [])
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"{study.name}: stopped; all runs and finished fits are kept, run again to go on"
+        ) from None
     summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
     return Outcome(folder, summary, _trouble(runs, summary["not_done"]), fresh)
 

@@ -106,14 +106,14 @@ def run(
 ) -> None:
     """Do what is missing: runs, fits, indices, report. Ctrl-C is safe."""
     from surrogate.cli import results
-    from surrogate.cli.progress import RunsBar
+    from surrogate.cli.progress import RunsBar, StagesBar
 
     loaded = _read(study)
     folder = results.folder_of(loaded, results_dir)
     for sentence in () if fresh else [*loaded.unused, *loaded.damaged(folder)]:
         print(sentence, file=sys.stderr)
     with RunsBar(loaded.name) as bar:
-        outcome = results.complete(
+        runs = results.do_runs(
             loaded,
             folder,
             workers=workers,
@@ -121,6 +121,8 @@ def run(
             fresh=fresh,
             progress=bar,
         )
+    with StagesBar(loaded.name) as steps:
+        outcome = results.analyse(loaded, folder, runs, workers=workers, steps=steps)
     _finish(loaded, outcome, as_json)
 
 
@@ -137,9 +139,12 @@ def status(study: StudyFile, results_dir: Results = None, as_json: AsJson = Fals
 def report(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
     """Rebuild the report from the stored runs. Runs nothing."""
     from surrogate.cli import results
+    from surrogate.cli.progress import StagesBar
 
     loaded = _read(study)
-    outcome = results.analyse(loaded, results.folder_of(loaded, results_dir), again=True)
+    folder = results.folder_of(loaded, results_dir)
+    with StagesBar(loaded.name) as steps:
+        outcome = results.analyse(loaded, folder, again=True, steps=steps)
     _finish(loaded, outcome, as_json)
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
+import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -66,17 +66,12 @@ def _is_estimator(found: Any) -> bool:
 
 
 def _code(kind: Any) -> list[str]:
-    """The file that an object comes from, and the version of its distribution."""
-    package = kind.__module__.partition(".")[0]
-    found = [f"{name} {metadata.version(name)}" for name in _distributions().get(package, ())]
+    """The version of the package that an object comes from, and its file."""
+    package = sys.modules.get(kind.__module__.partition(".")[0])
+    found = [str(getattr(package, "__version__", ""))]
     with suppress(TypeError, OSError):
         found.append(hashlib.sha256(Path(inspect.getfile(kind)).read_bytes()).hexdigest())
     return found
-
-
-@cache
-def _distributions() -> Mapping[str, list[str]]:
-    return metadata.packages_distributions()
 
 
 @cache

@@ -8,7 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -20,7 +20,6 @@ from surrogate.execution.execute import Progress, cores, execute
 from surrogate.execution.fresh import execute_fresh
 from surrogate.fitting.comparison import best
 from surrogate.fitting.fit import Fit
-from surrogate.report import Content, Page, build
 from surrogate.runs import stored as storing
 from surrogate.runs.assembly import assemble, physical_columns
 from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
@@ -30,6 +29,7 @@ from surrogate.sensitivity.screening import Screening
 from surrogate.solver import Output, broken, constraints_of
 from surrogate.space.space import Space
 from surrogate.stages import fits as fitting
+from surrogate.stages import report as reporting
 from surrogate.stages import sensitivity as analysing
 from surrogate.stages.aliasing import aliases, aliasing
 from surrogate.stages.comparison import comparison
@@ -47,6 +47,9 @@ from surrogate.study.reading import Reading
 from surrogate.study.source import Source, read_file, read_text
 from surrogate.validation.cases import Cases, from_runs
 from surrogate.validation.validation import Validation, fixed_inputs
+
+if TYPE_CHECKING:
+    from surrogate.report import Page
 
 
 @dataclass(frozen=True)
@@ -443,31 +446,26 @@ class Study:
         not_done: Sequence[str] = (),
     ) -> Page:
         """The report as one page; `page.save(path)` writes it."""
-        return build(
-            Content(
-                name=self.name,
-                about=self.about,
-                space=self.space,
-                runs=runs,
-                fits=fits,
-                comparison=table,
-                regression=self.regressions(fits),
-                sensitivity=indices,
-                screening=screening,
-                validation=validation,
-                aliasing=aliasing(self.space, self.unsearched, runs),
-                reduced_study=reduced,
-                not_done=not_done,
-            )
+        return reporting.report(
+            runs,
+            name=self.name,
+            about=self.about,
+            space=self.space,
+            fits=fits,
+            comparison=table,
+            regression=self.regressions(fits),
+            sensitivity=indices,
+            screening=screening,
+            validation=validation,
+            aliasing=aliasing(self.space, self.unsearched, runs),
+            reduced_study=reduced,
+            not_done=not_done,
         )
 
     def validation_page(self, runs: xr.Dataset, validation: xr.Dataset) -> Page:
         """The report of a validation alone."""
-        return build(
-            Content(
-                name=self.name, about=self.about, space=self.space, runs=runs, validation=validation
-            ),
-            only="validation",
+        return reporting.validation_page(
+            runs, name=self.name, about=self.about, space=self.space, validation=validation
         )
 
 

@@ -1,24 +1,19 @@
-"""What the bar of the runs says."""
+"""What is said of an analysis that goes on."""
 
-from dataclasses import replace
-
-from surrogate.cli.progress import RunsBar
-from surrogate.execution.execute import Progress
+from surrogate.cli.progress import StagesBar
+from surrogate.stages.stage import Step
 
 
-def test_a_first_ctrl_c_says_once_what_is_waited_for(capsys):
-    now = Progress(10, done=3)
-    with RunsBar("beam") as bar:
-        bar(now)
-        for done in (3, 4):
-            bar(replace(now, done=done, finishing=2))
+def test_a_line_a_minute_where_there_is_no_terminal(capsys):
+    """Surrogate, output, count and time left; nothing in the first minute."""
+    now = [0.0]
+    with StagesBar("mine", clock=lambda: now[0]) as bar:
+        bar(Step("fits", "linear of flow", 0, 3))
+        now[0] = 61.0
+        bar(Step("fits", "gp of flow", 1, 3, 90.0))
+        now[0] = 119.0
+        bar(Step("reduced_study"))
+        now[0] = 122.0
+        bar(Step("reduced_study"))
     said = capsys.readouterr().err.splitlines()
-    assert (
-        said.count(
-            "stopping: the 2 runs under way are finished first; press Ctrl-C again to stop at once"
-        )
-        == 1
-    )
-    with RunsBar("beam") as bar:
-        bar(replace(now, finishing=1))
-    assert "the run under way is finished first" in capsys.readouterr().err
+    assert said == ["mine: fits: gp of flow (2 of 3), 90 s left", "mine: reduced study"]

@@ -42,6 +42,10 @@ def write(place, text=TEXT, wells=WELLS):
     return Study.from_yaml(place / "study.yaml")
 
 
+def completed(study, folder):
+    return results.analyse(study, folder, results.do_runs(study, folder, workers=1))
+
+
 def fitted(study, place):
     with ThreadPoolExecutor(1) as executor:
         return study.fit(study.run(results=place / "results/checked", executor=executor))
@@ -89,7 +93,7 @@ def test_another_study_gives_the_cases(tmp_path):
     )
     study = write(tmp_path, TEXT.replace("wells.csv", "better.yaml"))
     folder = tmp_path / "results/checked"
-    first = results.complete(study, folder, workers=1)
+    first = completed(study, folder)
     assert not first.trouble
     assert (tmp_path / "results/better/journal/runs.jsonl").exists()
     table = rundata.load(folder / "validation.nc")
@@ -100,7 +104,7 @@ def test_another_study_gives_the_cases(tmp_path):
     assert first.summary["validation"]["n"]["values"] == [[12.0]] * 3
     page = first.report.read_text()
     assert "Validation" in page and "12 cases from better" in page and "lower limit" in page
-    assert not results.complete(study, folder, workers=1).fresh
+    assert not completed(study, folder).fresh
 
 
 def test_levels_that_the_study_fixes_are_told(tmp_path):
