@@ -83,8 +83,9 @@ def execute(
     retries    more attempts for a run that crashed, hung or raised, at least `LOST_AGAIN` for
                one that the machine lost. An answer of a deterministic solver, `SolverError`
                included, is not asked for again
-    rerun      statuses of earlier runs to do again: "failed", "timed_out". Runs that timed
-               out under a shorter limit than today's are done again in any case
+    rerun      statuses of earlier runs to do again: "failed", "timed_out". Runs that the
+               machine lost, or that timed out under a shorter limit than today's, are done
+               again in any case
     others     folders of other studies' journals; their good runs are copied, not repeated
     given      stored runs: neither repeated nor copied
     executor   any concurrent.futures executor. It cannot kill a run: one over time is given
@@ -166,6 +167,8 @@ def _settled(
         return False
     if record.status == "ok":
         return True
+    if record.lost:
+        return False
     if record.status == "timed_out" and record.limit is not None:
         if timeout is None or timeout > record.limit:
             return False
@@ -235,6 +238,7 @@ def _record(
                 timeout,
                 outcome.outputs,
                 solver=described,
+                lost=outcome.lost,
             )
             if spec.deterministic:
                 record = _with_earlier(record, book.records.get(task.key))

@@ -38,7 +38,7 @@ LARGEST_BATCH = 100
 FALSE_STARTS = 3
 
 #: Least limit, in seconds, for starting a worker and building the solver where runs have one.
-BUILD_SECONDS = 60.0
+BUILD_SECONDS = 30.0
 
 #: Seconds between two attempts to send what found no room in a pipe.
 FLUSH_SECONDS = 0.01
@@ -252,7 +252,10 @@ class Pool:
         for worker in list(self._team):
             if not worker.ready and now - worker.since >= building:
                 self._false_starts = FALSE_STARTS
-                reason = f"it was not ready after {building:g} s{worker.last_words()}"
+                reason = (
+                    f"it was not ready after {building:g} s; if it takes that long, raise "
+                    f"timeout{worker.last_words()}"
+                )
                 yield from self._end(worker, queue, "failed", reason)
             elif worker.tasks and now - worker.since >= self.timeout:
                 head = worker.tasks[0]

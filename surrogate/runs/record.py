@@ -40,6 +40,7 @@ class Record:
     outputs   scalar outputs by name
     fields    array outputs by name: {"offset": bytes, "shape": [...], "crc": checksum}
     solver    {"solver": name, "version": ..., "options": ...}
+    lost      True when the machine ended it (no memory, a node that failed): no answer at all
     """
 
     key: str
@@ -53,6 +54,7 @@ class Record:
     outputs: Mapping[str, float] = field(default_factory=dict)
     fields: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     solver: Mapping[str, Any] = field(default_factory=dict)
+    lost: bool = False
 
     def holds(self, wanted: Mapping[str, Output]) -> bool:
         """True for a good run in which these outputs were kept, in these shapes."""
@@ -105,6 +107,7 @@ def _well_typed(record: Record) -> bool:
         and abs(record.finished) < _LATEST
         and (record.limit is None or _number(record.limit))
         and type(record.solver) is dict
+        and type(record.lost) is bool
         and all(type(value) is str or _number(value) for value in record.inputs.values())
         and all(value is None or _number(value) for value in record.outputs.values())
         and all(map(_place, record.fields.values()))

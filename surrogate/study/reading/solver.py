@@ -19,6 +19,7 @@ from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import ConstantPart, ParameterPart, SolverPart
+from surrogate.study.reading.building import limited
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.solver_factory import SolverFactory
 
@@ -48,7 +49,7 @@ def solver_of(
         wrong = {mistake.path[0] for mistake in mistakes if mistake.path}
         sound = {name: value for name, value in part.options.items() if name not in wrong}
         aside = replace(reading, mistakes=[])
-        for options in (sound, {}) if mistakes else ({},):
+        for options in (sound, {}) if mistakes else ({},) if part.options else ():
             solver = _built(replace(spec, options=options), aside, path)
             if solver is not None:
                 return spec, solver
@@ -57,7 +58,9 @@ def solver_of(
 
 def _built(spec: SolverSpec, reading: Reading, path: tuple[str, ...]) -> Solver | None:
     with reading.mistakes_at(*path, "options"):
-        solver = call(f"solver '{spec.name}' cannot be built", lambda: spec.solver)
+        failure = f"solver '{spec.name}' cannot be built"
+        with limited(failure, reading.part.execution.timeout):
+            solver = call(failure, lambda: spec.solver)
         if isinstance(solver, Solver):
             described = (("inputs", solver.inputs, Input), ("outputs", solver.outputs, Output))
             mistakes = [

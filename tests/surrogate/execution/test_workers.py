@@ -254,6 +254,8 @@ def test_a_run_lost_to_the_machine_is_done_again(tmp_path):
     execute(spec("killed"), {"x": [1.0]}, journal=tmp_path / "b", **home)
     record = by_x(tmp_path / "b")[1.0]
     assert (record.status, record.attempts) == ("failed", 3) and "SIGKILL" in record.message
+    assert record.lost
+    assert execute(spec("killed"), {"x": [1.0]}, journal=tmp_path / "b", **home).reused == 0
 
 
 # What is left
