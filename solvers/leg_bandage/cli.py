@@ -106,7 +106,7 @@ def fit_scan_verb(
         **_learnt(cohort, modes),
     )
     if html is not None:
-        html.write_text(scan_page(fitted), encoding="utf-8")
+        _write(html, scan_page(fitted))
     if as_json:
         print(json.dumps(figures(fitted), indent=1))
     else:
@@ -166,7 +166,7 @@ def predict_verb(
         fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends)
     told = predict_pressure(fitted, choice, reduced, (mesh or "coarse") if solve else None)
     if html is not None:
-        html.write_text(person_page(told), encoding="utf-8")
+        _write(html, person_page(told))
     if as_json:
         print(json.dumps(summary.figures(told), indent=1))
     else:
@@ -208,7 +208,7 @@ def build_cohort_verb(
     with out.open("wb") as stream:
         write_cohort(stream, grown.cohort)
     if html is not None:
-        html.write_text(cohort_page(grown, folder), encoding="utf-8")
+        _write(html, cohort_page(grown, folder))
     if as_json:
         print(json.dumps(_grown_figures(grown, out), indent=1))
     else:
@@ -337,6 +337,10 @@ def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
     return made
 
 
+def _write(page: Path, text: str) -> None:
+    page.write_text(text, encoding="utf-8", errors="backslashreplace")
+
+
 def _reachable(*paths: Path | None) -> None:
     """Raise ScanError for files that cannot be written, before anything takes its time."""
     for path in paths:
@@ -349,6 +353,8 @@ def _reachable(*paths: Path | None) -> None:
 
 def main() -> None:
     """Run the command; people's mistakes end in sentences, never in a traceback."""
+    for stream in (sys.stdout, sys.stderr):  # names of files need not be UTF-8
+        stream.reconfigure(errors="backslashreplace")
     try:
         app()
     except (ScanError, BandageChoiceError, StudyError) as error:

@@ -15,6 +15,7 @@ from ..geometry.cohort import load_cohort
 from ..geometry.feasibility import check_leg
 from ..geometry.leg import Leg
 from .cuts import Cuts, find_cuts
+from .decimation import decimated
 from .directions import Directions
 from .errors import ScanError
 from .pose import (
@@ -29,8 +30,8 @@ from .pose import (
     starts,
     turn_to_mean,
 )
-from .reading import Surface, read_surface
-from .refusal import check_holes, check_skin, why_no_leg
+from .reading import read_surface
+from .refusal import check_holes, check_skin, more_than_a_leg, why_no_leg
 from .sections import THETA, Sections, cut_sections
 from .units import UNITS, unit_of
 
@@ -142,8 +143,13 @@ def fit_scan(
     basis = shipped_basis() if basis is None else basis
     surface = read_surface(path)
     try:
-        start, found, about_unit = _start(surface, basis, unit)
+        whole = Body(surface.vertices, surface.triangles)
+        seen = decimated(whole)
+        start, found, about_unit = _start(seen, basis, unit)
         leg = _sided(start, basis, side, length, ends)
+        if seen is not whole:
+            posed = replace(start, body=leg.body.posing(whole))
+            leg = replace(_settled(leg.side, posed, basis, length, ends), note=leg.note)
         body, cuts = leg.body, leg.cuts
         if known.up is not None:
             body = stand(body, cuts.levels, known)
@@ -194,14 +200,16 @@ def _check(side: str, unit: str | None, length: float | None, ends: bool) -> Non
         raise ScanError("either a length or the ends of the scan can set the upper cut; give one")
 
 
-def _start(surface: Surface, basis: Basis, unit: str | None) -> tuple[Start, str, str]:
+def _start(body: Body, basis: Basis, unit: str | None) -> tuple[Start, str, str]:
     """The first guess, in mm, with the unit and the sentence about it."""
-    body = Body(surface.vertices, surface.triangles)
     guesses = starts(body, basis)
     if not guesses:
-        raise ScanError(why_no_leg(body))
-    check_skin(guesses[0].body, guesses[0].zone)
-    found = unit_of(guesses[0].zone.ankle_girth, unit)
+        raise ScanError(more_than_a_leg(body, unit) or why_no_leg(body))
+    try:
+        check_skin(guesses[0].body, guesses[0].zone)
+        found = unit_of(guesses[0].zone.ankle_girth, unit)
+    except ScanError as error:
+        raise ScanError(more_than_a_leg(body, unit) or str(error)) from None
     start = guesses[0].scaled(UNITS[found])
     how = "as given" if unit else f"the ankle girth is then {start.zone.ankle_girth:.0f} mm"
     return start, found, f"unit {found}: {how}"
@@ -229,6 +237,7 @@ def _sided(start: Start, basis: Basis, side: str, length: float | None, ends: bo
         return replace(best, note=f"{best.side} leg, as given")
     worse = others[0].missed / best.missed - 1
     if worse < SURE_OF_SIDE:
+        _modes_of(_sections(best.body, best.cuts), basis)
         raise ScanError(
             "the shape does not tell whether this is a right or a left leg (the other "
             f"side fits only {worse:.0%} worse); give --side right or --side left"
@@ -269,19 +278,10 @@ def _about_holes(sections: Sections) -> tuple[str, ...]:
     return (f"holes make up {holes:.1%} of the skin; they are filled smoothly",) if holes else ()
 
 
-def _fitted(
-    path: Path,
-    sections: Sections,
-    basis: Basis,
-    lengths: tuple[float, float],
-    side: str,
-    unit: str,
-    notes: tuple[str, ...],
-) -> FittedScan:
-    """The modes put to the sections; raises ScanError when they miss too much."""
+def _modes_of(sections: Sections, basis: Basis) -> tuple[Leg, Error]:
+    """The nearest leg of the basis and what it misses; raises ScanError for what is no leg."""
     length = float(np.ptp(sections.z))
-    alphas = basis.project(shape_of(sections))
-    leg = Leg.from_alphas(length, alphas, basis)
+    leg = Leg.from_alphas(length, basis.project(shape_of(sections)), basis)
     away = np.linalg.norm(sections.points - leg.surface(THETA, leg.z[:, None]), axis=-1)
     away = away[~sections.missing]
     error = Error(
@@ -294,18 +294,32 @@ def _fitted(
             "leg; cut the scan to the part from ankle to knee, or say its direction "
             "with --up"
         )
+    return leg, error
+
+
+def _fitted(
+    path: Path,
+    sections: Sections,
+    basis: Basis,
+    lengths: tuple[float, float],
+    side: str,
+    unit: str,
+    notes: tuple[str, ...],
+) -> FittedScan:
+    """The leg of the sections and of the modes; raises ScanError when they miss too much."""
+    leg, error = _modes_of(sections, basis)
     ranges = {
         "length": lengths,
         **{f"alpha{k}": (float(low), float(high)) for k, (low, high) in enumerate(basis.ranges, 1)},
     }
-    scanned = Leg.from_sections(length, sections.series, sections.centre)
+    scanned = Leg.from_sections(leg.length, sections.series, sections.centre)
     return FittedScan(
         path,
         leg,
         scanned,
         sections,
-        length,
-        tuple(map(float, alphas)),
+        leg.length,
+        tuple(map(float, leg.alphas)),
         ranges,
         error,
         side,

@@ -39,20 +39,43 @@ CREDIBLE = 60.0
 class Body:
     """A surface in some pose: vertices (n, 3), triangles (m, 3).
 
-    frame (3, 3) takes directions in the axes of the file to those of the pose.
+    Its vertices are scale frame x + shift of those x in the file: frame (3, 3) takes directions
+    in the axes of the file to those of the pose.
     """
 
     vertices: np.ndarray
     triangles: np.ndarray
     frame: np.ndarray = field(default_factory=lambda: np.eye(3))
+    shift: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    scale: float = 1.0
 
     def turned(self, rotation: np.ndarray) -> Body:
         """Turned by a matrix (3, 3); a reflection turns the triangles inside out, no harm here."""
-        return replace(self, vertices=self.vertices @ rotation.T, frame=rotation @ self.frame)
+        return replace(
+            self,
+            vertices=self.vertices @ rotation.T,
+            frame=rotation @ self.frame,
+            shift=rotation @ self.shift,
+        )
 
     def moved(self, by) -> Body:
         """Shifted by (3,)."""
-        return replace(self, vertices=self.vertices + np.asarray(by, float))
+        by = np.asarray(by, float)
+        return replace(self, vertices=self.vertices + by, shift=self.shift + by)
+
+    def scaled(self, factor: float) -> Body:
+        """In another unit."""
+        return replace(
+            self,
+            vertices=factor * self.vertices,
+            shift=factor * self.shift,
+            scale=factor * self.scale,
+        )
+
+    def posing(self, other: Body) -> Body:
+        """Another surface, still as in the file, in the pose of this one."""
+        vertices = self.scale * other.vertices @ self.frame.T + self.shift
+        return replace(self, vertices=vertices, triangles=other.triangles)
 
 
 @dataclass(frozen=True)
@@ -65,9 +88,8 @@ class Start:
 
     def scaled(self, factor: float) -> Start:
         """The same in another unit."""
-        body = replace(self.body, vertices=factor * self.body.vertices)
         zone = Zone(*(factor * number for number in astuple(self.zone)))
-        return replace(self, body=body, zone=zone)
+        return replace(self, body=self.body.scaled(factor), zone=zone)
 
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])

@@ -14,6 +14,7 @@ from .girths import (
 )
 from .pose import Body, along_principal
 from .sections import Sections, coverage, cut_sections
+from .units import UNITS
 
 LARGEST_HOLES = 0.15
 """Of the skin between the cuts; below it the holes are filled smoothly."""
@@ -21,6 +22,30 @@ LARGEST_HOLES = 0.15
 ROUND = 0.02
 """RMS of the harmonics over the mean radius under which sections are circles; the shipped
 legs have 0.04 and more."""
+
+
+BODY = (1200.0, 2300.0)
+"""mm, of the longest extent of a whole body; a leg with its thigh is shorter."""
+SLENDER = 0.35
+"""Smallest over largest extent of a body that stands, at most."""
+
+
+def more_than_a_leg(body: Body, unit: str | None) -> str | None:
+    """The sentence for a scan of a whole body, in the unit that is given or in any; else None."""
+    spread = [np.ptp(turned.vertices[:, 2]) for turned in along_principal(body)]
+    long, thin = max(spread), min(spread)
+    tall = [
+        f"{long * UNITS[name]:.0f} mm in the unit {name}"
+        for name in (UNITS if unit is None else (unit,))
+        if BODY[0] <= long * UNITS[name] <= BODY[1]
+    ]
+    if not tall or thin > SLENDER * long:
+        return None
+    return (
+        f"the scan is more than a leg: it is {' or '.join(tall)} long, as a whole body; cut one "
+        "leg out, from the foot to above the knee (in MeshLab: select the rest, delete it, "
+        "export), and give that file"
+    )
 
 
 def why_no_leg(body: Body) -> str:

@@ -1,5 +1,7 @@
 """Files that are no scan of a leg: a sentence with the cure each."""
 
+import os
+
 import numpy as np
 import pytest
 import trimesh
@@ -8,6 +10,7 @@ import virtual_scans as virtual
 from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
 from surrogate_solvers.leg_bandage.scan import ScanError, fit_scan
+from surrogate_solvers.leg_bandage.scan.reading import read_surface
 
 MEAN = Leg.from_alphas(240.0, shipped_basis().mean)
 SKIN = virtual.leg_mesh(MEAN)
@@ -144,3 +147,81 @@ def test_options_that_do_not_fit(tmp_path, options, sentence):
 def test_missing_file():
     with pytest.raises(ScanError, match="nowhere.stl: there is no such file"):
         fit_scan("nowhere.stl")
+
+
+def test_no_leg_is_said_before_the_side_is_asked(tmp_path):
+    """A bottle: a neck, a belly, flattened, alike on both sides."""
+    points, triangles = tube(30 + 22 * np.sin(np.linspace(0, np.pi / 1.5, 80)) ** 2, 300.0)
+    path = virtual.save(tmp_path / "leg.stl", points * [1.5, 0.6, 1], triangles)
+    with pytest.raises(ScanError, match="hardly a lower leg"):
+        fit_scan(path)
+
+
+def person():
+    """A person with closed legs and arms at the side, 1.72 m: half widths at heights in mm."""
+    height = [0, 80, 300, 420, 850, 1000, 1150, 1350, 1450, 1480, 1540, 1640, 1720]
+    wide = [110, 90, 120, 110, 190, 160, 150, 200, 180, 60, 60, 78, 40]
+    z = np.linspace(0, 1720, 200)
+    points, triangles = tube(np.interp(z, height, wide), 1720.0)
+    return points * [1, 0.6, 1], triangles
+
+
+@pytest.mark.parametrize("scale, options", [(1.0, {}), (0.001, {}), (0.1, {"unit": "cm"})])
+def test_a_whole_body_is_more_than_a_leg(tmp_path, scale, options):
+    """Its height as a body's, and how to cut a leg out."""
+    vertices, triangles = person()
+    path = virtual.save(tmp_path / "leg.ply", scale * vertices, triangles)
+    with pytest.raises(
+        ScanError, match="more than a leg: it is 17.. mm .*cut one leg out.*MeshLab"
+    ):
+        fit_scan(path, **options)
+
+
+PLY = """ply
+format ascii 1.0
+element vertex {0}
+property float x
+property float y
+property float z
+element face {1}
+property list uchar int vertex_indices
+end_header
+"""
+
+
+def test_triangles_of_corners_that_are_not_there(tmp_path):
+    corners = [f"{x} {y} {z}" for x in range(7) for y in range(6) for z in range(7)]
+    faces = [f"3 {k} {k + 1} {k + 2}" for k in range(290)] + ["3 0 1 294", "3 0 1 100000000"]
+    text = PLY.format(len(corners), len(faces)) + "\n".join([*corners, *faces]) + "\n"
+    (tmp_path / "leg.ply").write_text(text)
+    with pytest.raises(ScanError, match="2 triangles name corners that are not there.*294 corners"):
+        fit_scan(tmp_path / "leg.ply")
+
+
+def test_files_that_a_scan_names_are_not_opened(tmp_path, monkeypatch):
+    """A material file that is a pipe without a writer would be waited for without end."""
+    os.mkfifo(tmp_path / "skin.mtl")
+    path = virtual.save(tmp_path / "leg.obj", *virtual.leg_mesh(MEAN, levels=20, around=20))
+    path.write_text("mtllib skin.mtl\nusemtl skin\n" + path.read_text())
+    assert len(read_surface(path).triangles) == 2 * 19 * 20
+    with pytest.raises(ScanError, match="skin.obj: there is no such file"):
+        os.mkfifo(tmp_path / "skin.obj")
+        fit_scan(tmp_path / "skin.obj")
+
+
+def test_triangles_at_random_are_no_surface(tmp_path):
+    """5 000 triangles between 1 000 places: refused for their area, before they are cut."""
+    rng = np.random.default_rng(3)
+    path = virtual.save(
+        tmp_path / "leg.ply", rng.uniform(0, 300, (1000, 3)), rng.integers(0, 1000, (5000, 3))
+    )
+    with pytest.raises(ScanError, match=r"is no surface: its triangles have \d+ times the area"):
+        fit_scan(path)
+
+
+def test_a_file_that_is_too_large_is_not_read(tmp_path):
+    """Half a gigabyte, of which the disk has nothing."""
+    with (tmp_path / "leg.stl").open("wb") as stream:
+        stream.truncate(500_000_000)
+    with pytest.raises(ScanError, match="500 MB .at most 150.; export the scan with fewer"):
+        fit_scan(tmp_path / "leg.stl")

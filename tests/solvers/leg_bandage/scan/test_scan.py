@@ -1,5 +1,7 @@
 """Scans whose truth is known, through `fit_scan`."""
 
+import json
+import os
 import re
 
 import numpy as np
@@ -11,8 +13,10 @@ from surrogate_solvers.leg_bandage.geometry.basis import reconstruction_errors, 
 from surrogate_solvers.leg_bandage.geometry.cohort import Cohort, load_cohort
 from surrogate_solvers.leg_bandage.geometry.landmarks import extreme_girths
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
-from surrogate_solvers.leg_bandage.scan import fit_scan
+from surrogate_solvers.leg_bandage.scan import cuts, fit_scan, girths, pose, sections
 from surrogate_solvers.leg_bandage.scan.cuts import TOP
+from surrogate_solvers.leg_bandage.scan.decimation import SEARCHED, decimated
+from surrogate_solvers.leg_bandage.scan.pose import Body
 
 BASIS = shipped_basis()
 KNOWN = {"up": "z", "front": "y", "side": "right", "ends": True}
@@ -234,3 +238,44 @@ def test_residual_is_along_the_normal_and_outwards(tmp_path, mean_leg):
     fit = fit_scan(virtual.save(tmp_path / "leg.stl", *mesh), **KNOWN)
     taken = fit.leg.coefficients[:, 0] - mean_leg.coefficients[:, 0]
     np.testing.assert_allclose(fit.residual.mean(axis=1) + taken, 1.0, atol=0.15)
+
+
+def test_a_fine_scan_is_searched_with_fewer_triangles(tmp_path, mean_leg, monkeypatch):
+    """Cut on all its triangles in the end: the same answer as without, to 0.0005.
+
+    What is cut on all triangles is settling, not the search.
+    """
+    fine = virtual.leg_mesh(mean_leg, levels=320, around=200)
+    path = virtual.save(tmp_path / "leg.ply", virtual.moved(fine[0], 5), fine[1])
+    seen = decimated(Body(*fine))
+    assert 10_000 < len(seen.triangles) < SEARCHED < len(fine[1]) / 3
+    sizes, cut = [], sections.cut_sections
+
+    def counting(vertices, triangles, z):
+        sizes.append(len(triangles))
+        return cut(vertices, triangles, z)
+
+    for module in (pose, girths, cuts):
+        monkeypatch.setattr(module, "cut_sections", counting)
+    fast = fit_scan(path, side="right")
+    settling = sizes.count(len(fine[1]))
+    monkeypatch.setattr("surrogate_solvers.leg_bandage.scan.decimation.SEARCHED", 10**9)
+    slow = fit_scan(path, side="right")
+    assert settling < 0.7 * (sizes.count(len(fine[1])) - settling)
+    np.testing.assert_allclose(fast.alphas, slow.alphas, atol=5e-4)
+    assert fast.length == pytest.approx(slow.length, abs=0.05)
+
+
+def test_a_name_that_is_not_utf8(tmp_path, mean_leg, command):
+    """Latin-1 in the file's name: fitted, and told on the terminal, as JSON and on the page."""
+    name = os.fsdecode(b"Gr\xf6\xdfe.stl")
+    path = virtual.save(tmp_path / "leg.stl", *virtual.leg_mesh(mean_leg, levels=60, around=60))
+    path = path.rename(tmp_path / name)
+    words = ("fit-scan", path, "--up", "z", "--front", "y", "--side", "right", "--ends")
+    status, out, err = command(*words, "--html", tmp_path / "page.html")
+    assert (status, err) == (0, "") and "alpha1" in out
+    assert "alpha1" in (tmp_path / "page.html").read_text(encoding="utf-8")
+    status, out, _ = command(*words, "--json")
+    assert status == 0 and json.loads(out)
+    status, _, err = command("fit-scan", tmp_path / os.fsdecode(b"\xdf.stl"))
+    assert status == 2 and "there is no such file" in err
