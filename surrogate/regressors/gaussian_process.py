@@ -46,6 +46,8 @@ REFIT = 200
 FINE, ROUGH = 2e-9, 1e-6
 #: The same for one of many outputs: a thousandth of -2 log posterior.
 FINE_OF_MANY, ROUGH_OF_MANY = 1e-5, 1e-4
+#: The same above `SUBSET` runs, whose deviance is a number in the thousands.
+FINE_OF_LARGE = 1e-7
 #: Of many outputs those that hold this share of the variance, and at least so many, are searched
 #: for one by one, of the fit and of a refit; the others take the most probable lengths seen.
 LEADING, LEADING_AGAIN = (0.98, 20), (0.9, 5)
@@ -181,7 +183,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         if n > SUBSET:
             chosen = np.random.default_rng(self.seed).permutation(n)[:SUBSET]
             found = self._local(chosen, y, start, leading, starts, end)
-            start, starts = np.unique(found, axis=0), 1
+            start, starts, end = np.unique(found, axis=0), 1, max(end, FINE_OF_LARGE)
         return self._local(np.arange(n), y, start, leading, starts, end)
 
     def _local(

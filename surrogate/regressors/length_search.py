@@ -41,7 +41,9 @@ class Search:
         self.deviances: list[Array] = []
 
     def judge(self, places: Array) -> None:
-        """Try places (k, c + 1) for all outputs."""
+        """Try places (k, c + 1) for all outputs; a single one is where a search starts anyway."""
+        if len(places) == 1:
+            return self._keep(places[0], np.full(self.posterior.y.shape[1], np.inf))
         for logs in places:
             self._value(logs, None)
 
