@@ -10,6 +10,7 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surrogate.designs import regular_fraction
 from surrogate.space.space import Space
@@ -55,7 +56,7 @@ class Aliasing:
         return found
 
 
-def aliasing(space: Space, coded) -> Aliasing | None:
+def aliasing(space: Space, coded: ArrayLike) -> Aliasing | None:
     """Aliasing of the design `coded`, (run, parameter); None unless it is a regular fraction.
 
     Centre points are left aside. A regular fraction has levels -1 and 1 only, its distinct
@@ -63,7 +64,7 @@ def aliasing(space: Space, coded) -> Aliasing | None:
     """
     corners = _corners(space, np.atleast_2d(np.asarray(coded, dtype=float)))
     basis = None if corners is None else _basis(corners)
-    if basis is None:
+    if corners is None or basis is None:
         return None
     rows = np.unique(corners, axis=0)
     lengths = regular_fraction.word_lengths((rows != rows[0]).sum(axis=1), space.size)
@@ -82,7 +83,8 @@ def _corners(space: Space, coded: np.ndarray) -> np.ndarray | None:
         coded = coded[np.abs(coded[:, continuous]).max(axis=1) > 1e-9]
     if len(coded) == 0 or np.abs(np.abs(coded) - 1.0).max() > 1e-9:
         return None
-    return np.sign(coded)
+    signs: np.ndarray = np.sign(coded)
+    return signs
 
 
 def _basis(corners: np.ndarray) -> list[int] | None:

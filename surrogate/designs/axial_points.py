@@ -7,6 +7,7 @@ estimated (Box and Wilson 1951).
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surrogate.designs.center_points import centers
 from surrogate.designs.requirements import bounded, number
@@ -14,7 +15,9 @@ from surrogate.errors import DesignError
 from surrogate.space.space import Space
 
 
-def axial_points(space: Space, coded, *, alpha: float = 1.0, seed=None) -> np.ndarray:
+def axial_points(
+    space: Space, coded: ArrayLike, *, alpha: float = 1.0, seed: int | None = None
+) -> np.ndarray:
     """Rows to add: each continuous parameter at -alpha and +alpha, the others at the centre.
 
     alpha: distance from the centre, in (0, 1]. With categorical parameters, a star for each

@@ -84,7 +84,7 @@ BLOCKS = {
 }
 
 
-def box_behnken(space: Space, *, center_points: int = 1, seed=None) -> np.ndarray:
+def box_behnken(space: Space, *, center_points: int = 1, seed: int | None = None) -> np.ndarray:
     """Coded (run, parameter) with values -1, 0, 1; centre points at the end.
 
     3 to 7, 9 to 12 or 16 continuous parameters: 12, 24, 40, 48, 56, 120, 160, 176, 192 or

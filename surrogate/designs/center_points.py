@@ -9,12 +9,15 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surrogate.designs.requirements import whole
 from surrogate.space.space import Space
 
 
-def center_points(space: Space, coded, *, runs: int = 1, seed=None) -> np.ndarray:
+def center_points(
+    space: Space, coded: ArrayLike, *, runs: int = 1, seed: int | None = None
+) -> np.ndarray:
     """Rows to add to the design `coded`: `runs` centre points; shape (run, parameter).
 
     With categorical parameters, `runs` at each combination of their levels. The middle

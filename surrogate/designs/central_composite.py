@@ -8,6 +8,7 @@ ranges and the corners lie at 1 / alpha. `face` (alpha = 1) has both at the ends
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -28,7 +29,7 @@ def central_composite(
     alpha: str | float = "rotatable",
     cube: str = "full",
     center_points: int = 1,
-    seed=None,
+    seed: int | None = None,
 ) -> np.ndarray:
     """Coded (run, parameter): the cube, then the star, then centre points.
 
@@ -45,9 +46,9 @@ def central_composite(
 
 def _corners(space: Space, cube: str) -> np.ndarray:
     k = space.size
-    masks = [1 << i for i in range(k)]
+    masks: Sequence[int] = [1 << i for i in range(k)]
     if cube == "fraction" and k >= 3:
-        masks = fewest_runs(k, 5, k)
+        masks = fewest_runs(k, 5, k) or masks
     base = max(masks).bit_length()
     affordable(2**base, "central_composite", "use cube: fraction, d_optimal or latin_hypercube")
     return regular_fraction.matrix(masks, base)
@@ -56,6 +57,9 @@ def _corners(space: Space, cube: str) -> np.ndarray:
 def _ratio(alpha: str | float, runs: int, parameters: int) -> float:
     if not isinstance(alpha, str):
         return number("alpha", alpha, 1.0, 100.0)
-    return {"rotatable": runs**0.25, "spherical": math.sqrt(parameters), "face": 1.0}[
-        choice("alpha", alpha, ALPHAS)
-    ]
+    ratios: dict[str, float] = {
+        "rotatable": float(runs) ** 0.25,
+        "spherical": math.sqrt(parameters),
+        "face": 1.0,
+    }
+    return ratios[choice("alpha", alpha, ALPHAS)]

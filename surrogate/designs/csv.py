@@ -25,7 +25,12 @@ SHOWN = 20
 
 
 def csv(
-    space: Space, *, path: str, delimiter: str = ",", folder: Path | None = None, seed=None
+    space: Space,
+    *,
+    path: str,
+    delimiter: str = ",",
+    folder: Path | None = None,
+    seed: int | None = None,
 ) -> np.ndarray:
     """Coded points (run, parameter) of the file's rows.
 
@@ -114,7 +119,7 @@ def _coded(parameter: Parameter, cell: str, where: str, mistakes: list[str]) -> 
     except ValueError:
         mistakes.append(f"{where}: {parameter.name}: '{cell}' is not a number")
         return math.nan
-    low, high = parameter.distribution.support
+    low, high = parameter.law.support
     # The last digit of a printed end of the range is forgiven.
     slack = 1e-9 * (high - low) if parameter.bounded else 0.0
     if not low - slack <= value <= high + slack:

@@ -27,7 +27,7 @@ PASSES = 60
 
 
 def d_optimal(
-    space: Space, *, runs: int, model: str = "linear", starts: int = 20, seed=None
+    space: Space, *, runs: int, model: str = "linear", starts: int = 20, seed: int | None = None
 ) -> np.ndarray:
     """`runs` points, coded (run, parameter), for `model`: linear, interactions or quadratic.
 
@@ -86,7 +86,8 @@ def _main_effects(parameter: Parameter, column: np.ndarray) -> np.ndarray:
         return column[:, None]
     level = np.argmin(np.abs(column[:, None] - parameter.coded_levels), axis=1)
     k = len(parameter.levels)
-    return np.vstack([np.eye(k - 1), -np.ones(k - 1)])[level]
+    coded: np.ndarray = np.vstack([np.eye(k - 1), -np.ones(k - 1)])[level]
+    return coded
 
 
 def log_determinant(matrix: np.ndarray) -> float:

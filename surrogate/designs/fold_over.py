@@ -7,12 +7,15 @@ Wilson 1951); reversing one parameter's separates that one and all its interacti
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from surrogate.errors import DesignError, nearest
 from surrogate.space.space import Space
 
 
-def fold_over(space: Space, coded, *, parameter: str | None = None, seed=None) -> np.ndarray:
+def fold_over(
+    space: Space, coded: ArrayLike, *, parameter: str | None = None, seed: int | None = None
+) -> np.ndarray:
     """Rows to add: the rows of `coded` with the sign of `parameter` (default: all) reversed.
 
     coded: (run, parameter). Rows that the design holds already, such as centre points,
@@ -27,7 +30,8 @@ def fold_over(space: Space, coded, *, parameter: str | None = None, seed=None) -
             "fold_over adds nothing: the design holds every mirrored run already; "
             "remove fold_over, or fold another parameter"
         )
-    return folded[new]
+    added: np.ndarray = folded[new]
+    return added
 
 
 def _reversed_columns(space: Space, parameter: str | None) -> np.ndarray:

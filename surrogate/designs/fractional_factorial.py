@@ -6,6 +6,8 @@ V: two-factor interactions are free of each other too (Box and Hunter 1961).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from surrogate.designs import generators as products
@@ -27,7 +29,7 @@ def fractional_factorial(
     runs: int | None = None,
     generators: list[str] | None = None,
     center_points: int = 0,
-    seed=None,
+    seed: int | None = None,
 ) -> np.ndarray:
     """Regular two-level fraction; coded (run, parameter) with centre points at its end.
 
@@ -52,7 +54,7 @@ def fractional_factorial(
     return np.vstack([coded, centers(space, center_points)])
 
 
-def _by_resolution(space: Space, resolution) -> tuple[int, ...]:
+def _by_resolution(space: Space, resolution: Any) -> tuple[int, ...]:
     wanted = whole("resolution", ROMAN.get(str(resolution).upper(), resolution), 3)
     if space.size < 3:
         return fraction(space.size, space.size)
@@ -66,7 +68,7 @@ def _by_resolution(space: Space, resolution) -> tuple[int, ...]:
     return masks
 
 
-def _by_runs(space: Space, runs) -> tuple[int, ...]:
+def _by_runs(space: Space, runs: Any) -> tuple[int, ...]:
     base = whole("runs", runs, 1).bit_length() - 1
     least = space.size.bit_length()
     most = min(space.size, LARGEST_BASE)
@@ -79,7 +81,7 @@ def _by_runs(space: Space, runs) -> tuple[int, ...]:
     return fraction(space.size, base)
 
 
-def _by_generators(space: Space, generators) -> np.ndarray:
+def _by_generators(space: Space, generators: Any) -> np.ndarray:
     made = products.read(generators, space.names)
     affordable(2 ** (space.size - len(made)), "fractional_factorial", "give more generators")
     return products.matrix(made, space.names)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pyDOE3
@@ -15,7 +16,11 @@ from surrogate.space.space import Parameter, Space
 
 
 def full_factorial(
-    space: Space, *, levels: int | dict[str, int] = 2, center_points: int = 0, seed=None
+    space: Space,
+    *,
+    levels: int | dict[str, int] = 2,
+    center_points: int = 0,
+    seed: int | None = None,
 ) -> np.ndarray:
     """Every combination of evenly spaced levels, the first parameter changing fastest.
 
@@ -35,7 +40,7 @@ def full_factorial(
     return np.vstack([coded, centers(space, center_points)])
 
 
-def _counts(space: Space, levels) -> list[int]:
+def _counts(space: Space, levels: Any) -> list[int]:
     named = (
         dict(levels)
         if isinstance(levels, Mapping)
@@ -49,7 +54,7 @@ def _counts(space: Space, levels) -> list[int]:
     return [_count(p, named.get(p.name)) for p in space.parameters]
 
 
-def _count(parameter: Parameter, wanted) -> int:
+def _count(parameter: Parameter, wanted: Any) -> int:
     if not parameter.categorical:
         return whole(f"levels of {parameter.name}", 2 if wanted is None else wanted, 2)
     if wanted not in (None, len(parameter.levels)):

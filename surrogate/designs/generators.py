@@ -68,7 +68,7 @@ def _parameters(text: str, generator: str, names: Sequence[str]) -> list[str]:
     return parts
 
 
-def _contradictions(made: list[Generator], texts, names: Sequence[str]) -> list[str]:
+def _contradictions(made: list[Generator], texts: Sequence[str], names: Sequence[str]) -> list[str]:
     targets = [target for target, _, _ in made]
     base = [name for name in names if name not in targets]
     if len(texts) >= len(names):

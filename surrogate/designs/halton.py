@@ -14,7 +14,7 @@ from surrogate.designs.sobol import EDGE
 from surrogate.space.space import Space
 
 
-def halton(space: Space, *, runs: int, seed=None) -> np.ndarray:
+def halton(space: Space, *, runs: int, seed: int | None = None) -> np.ndarray:
     """`runs` scrambled points, coded (run, parameter), by the joint law of the space.
 
     With the same seed, the points of a smaller design are the first of a larger one.

@@ -11,6 +11,7 @@ found, not proven the best.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from functools import cache
 
 import numpy as np
@@ -123,7 +124,9 @@ def _starts(factors: int, base: int, resolution: int) -> list[tuple[int, ...]]:
     return [masks for masks in found if masks is not None]
 
 
-def _greedy(order, factors: int, base: int, resolution: int) -> tuple[int, ...] | None:
+def _greedy(
+    order: Iterable[int], factors: int, base: int, resolution: int
+) -> tuple[int, ...] | None:
     """Add each candidate that makes no word shorter than `resolution`; None if too few do."""
     # sums[j] marks every mask that is the sum of at most j chosen columns.
     every = np.arange(2**base)
@@ -146,14 +149,14 @@ def _exchange(masks: tuple[int, ...], base: int) -> tuple[int, ...]:
     everything = np.rint((1 - regular_fraction.matrix(range(1, 2**base), base)) / 2).astype(
         np.int32
     )
-    masks, improved = list(masks), True
+    chosen, improved = list(masks), True
     while improved:
         improved = False
-        for position in range(base, len(masks)):
-            better = _best_exchange(masks, position, everything)
-            if better != masks[position]:
-                masks[position], improved = better, True
-    return tuple(masks)
+        for position in range(base, len(chosen)):
+            better = _best_exchange(chosen, position, everything)
+            if better != chosen[position]:
+                chosen[position], improved = better, True
+    return tuple(chosen)
 
 
 def _best_exchange(masks: list[int], position: int, everything: np.ndarray) -> int:

@@ -19,7 +19,7 @@ from surrogate.space.space import Space
 
 
 def plackett_burman(
-    space: Space, *, runs: int | None = None, center_points: int = 0, seed=None
+    space: Space, *, runs: int | None = None, center_points: int = 0, seed: int | None = None
 ) -> np.ndarray:
     """Coded (run, parameter) of -1 and 1, its last run all -1, then centre points.
 
@@ -47,7 +47,8 @@ def saturated(runs: int) -> np.ndarray:
     # Signs of rows make the first column constant; signs of columns the last run -1.
     matrix = matrix * matrix[:, :1]
     columns = np.roll(matrix, -1, axis=0)[:, 1:]
-    return columns * -columns[-1]
+    turned: np.ndarray = columns * -columns[-1]
+    return turned
 
 
 def constructible(order: int) -> bool:

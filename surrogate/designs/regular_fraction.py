@@ -23,7 +23,8 @@ def matrix(masks: Sequence[int], base: int) -> np.ndarray:
 
 def weights(masks: Sequence[int], base: int) -> np.ndarray:
     """How many factors of each run differ from the run that is +1 throughout; (2^base,)."""
-    return np.rint((len(masks) - matrix(masks, base).sum(axis=1)) / 2).astype(int)
+    changed: np.ndarray = np.rint((len(masks) - matrix(masks, base).sum(axis=1)) / 2)
+    return changed.astype(int)
 
 
 @cache

@@ -5,7 +5,9 @@ Every check lists all offenders in one `DesignError` and says what to do instead
 
 from __future__ import annotations
 
-from numbers import Integral, Real
+from collections.abc import Iterable
+
+import numpy as np
 
 from surrogate.errors import DesignError, nearest
 from surrogate.space.space import Space
@@ -54,21 +56,25 @@ def continuous(space: Space, method: str) -> None:
     )
 
 
-def whole(option: str, value, least: int) -> int:
+def whole(option: str, value: object, least: int) -> int:
     """`value` as an int; raise unless it is a whole number from `least` on."""
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < least:
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise DesignError(f"{option}: {value!r} must be a whole number of at least {least}")
     return int(value)
 
 
-def number(option: str, value, low: float, high: float) -> float:
+def number(option: str, value: object, low: float, high: float) -> float:
     """`value` as a float; raise unless it lies in [low, high]."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not low <= value <= high:
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | float | np.number)
+        or not low <= value <= high
+    ):
         raise DesignError(f"{option}: {value!r} must be a number from {low:g} to {high:g}")
     return float(value)
 
 
-def choice(option: str, value, allowed) -> str:
+def choice(option: str, value: str, allowed: Iterable[str]) -> str:
     """`value`; raise unless it is one of the words `allowed`."""
     if value not in allowed:
         raise DesignError(f"{option}: {value!r} is unknown; {nearest(value, allowed)}")

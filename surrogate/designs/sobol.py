@@ -16,7 +16,7 @@ from surrogate.space.space import Space
 EDGE = 2.0**-32
 
 
-def sobol(space: Space, *, runs: int, seed=None) -> np.ndarray:
+def sobol(space: Space, *, runs: int, seed: int | None = None) -> np.ndarray:
     """`runs` scrambled points, coded (run, parameter), by the joint law of the space.
 
     With the same seed, the points of a smaller design are the first of a larger one.
