@@ -52,7 +52,7 @@ designs:
 ONE_RUN = """
 study: one
 solver: {name: ishigami}
-parameters: {x1: [-3.14, 3.14], x2: [-3.14, 3.14], x3: [-3.14, 3.14]}
+parameters: {X1: [-3.14, 3.14], X2: [-3.14, 3.14], X3: [-3.14, 3.14]}
 designs: {train: {method: latin_hypercube, runs: 1, seed: 1}}
 """
 #: A worker is ready when the first run of a cheap solver is back; one is made, no more.
