@@ -209,6 +209,39 @@ def store(
     _show(terminal.store(loaded, results.folder_of(loaded, results_dir), to), as_json)
 
 
+@app.command()
+def serve(
+    study: StudyFile,
+    results_dir: Results = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="0 for any free one.")] = 4242,
+    surrogate: Annotated[
+        str | None, typer.Option(metavar="S", help="Which surrogate; default: the best.")
+    ] = None,
+    solver: Annotated[bool, typer.Option("--solver", help="Serve the solver itself.")] = False,
+    host: Annotated[
+        str, typer.Option(help="Address to listen at; the default is this machine only.")
+    ] = "127.0.0.1",
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes of the solver.")] = None,
+) -> None:
+    """Serve the surrogates, or the solver, to other programs by UM-Bridge, until Ctrl-C."""
+    from surrogate.cli import results, serving
+
+    loaded = _read(study)
+    with serving.server(
+        loaded,
+        results.folder_of(loaded, results_dir),
+        surrogate=surrogate,
+        solver=solver,
+        port=port,
+        host=host,
+        workers=workers,
+    ) as server:
+        print(
+            f"{loaded.name}: http://{host}:{server.server_address[1]}; Ctrl-C ends it", flush=True
+        )
+        server.serve_forever()
+
+
 @app.command("list")
 def list_plugins(as_json: AsJson = False) -> None:
     """List solvers, designs, regressors and sensitivity methods, one line each."""

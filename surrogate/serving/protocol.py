@@ -33,11 +33,20 @@ class Model(Protocol):
     a point without an answer.
     """
 
-    name: str
-    input_sizes: Sequence[int]
-    output_sizes: Sequence[int]
-    differentiable: bool
-    scales: Sequence[Array]
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def input_sizes(self) -> Sequence[int]: ...
+
+    @property
+    def output_sizes(self) -> Sequence[int]: ...
+
+    @property
+    def differentiable(self) -> bool: ...
+
+    @property
+    def scales(self) -> Sequence[Array]: ...
 
     def __call__(self, vectors: Vectors) -> Vectors: ...
 

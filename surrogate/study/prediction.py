@@ -48,22 +48,34 @@ def predict(
         _from_words(study.space, words) if points is None else _from_csv(study.space, points, words)
     )
     coded = study.space.encode(physical)
+    fits, notes = fits_at_hand(study, results, surrogate)
+    inside = study.space.contains(coded)
+    outputs = {output: (name, *_with_interval(fit, coded)) for output, (name, fit) in fits.items()}
+    return Predictions(
+        [_row(study.space, physical, inside, outputs, i) for i in range(len(coded))],
+        "\n".join(notes),
+    )
+
+
+def fits_at_hand(
+    study: Study, results: Path, surrogate: str | None
+) -> tuple[dict[str, tuple[str, Fit]], list[str]]:
+    """Output -> (name of the surrogate, its fit), from the runs there are; and what to know.
+
+    surrogate: its name; None for the best of each output. Raises as `predict` does.
+    """
     stored = _stored(study, results, surrogate)
     asked = study if surrogate is None else study.with_surrogates([surrogate])
     stages = walk(asked, results, stored)
     fits = stages.value("fits")
-    inside = study.space.contains(coded)
-    outputs = {
-        output: (name, *_with_interval(fits[name][output], coded))
+    found = {
+        output: (name, fits[name][output])
         for output, name in _chosen(study, stages, surrogate).items()
     }
-    lost = stages.result("fits").not_done if len(outputs) < len(study.outputs) else ()
-    if not outputs:
+    lost = stages.result("fits").not_done if len(found) < len(study.outputs) else ()
+    if not found:
         raise FitError("\n".join(lost))
-    return Predictions(
-        [_row(study.space, physical, inside, outputs, i) for i in range(len(coded))],
-        "\n".join([*_note(stored), *lost]),
-    )
+    return found, [*_note(stored), *lost]
 
 
 def _row(
