@@ -84,7 +84,7 @@ def do_runs(
             fresh=fresh,
             progress=progress,
         )
-        reference = study.validation and study.validation.reference
+        reference = study.validation.reference if study.validation else None
         if reference is not None:
             reference.run(
                 workers=workers, results=study.beside(reference, folder), progress=progress
@@ -152,6 +152,7 @@ def validate(study: Study, folder: Path, cases: Path | None = None) -> tuple[xr.
     fits = walk(study, folder, runs).result("fits")
     table = study.validate(fits.value, cases, results=folder)
     lost = list(fits.not_done)
+    assert table is not None  # there are cases
     if not table.sizes["model"]:
         raise ResultsError(_nothing_beside(table, runs, folder, lost))
     table.attrs["notes"] = "\n".join(filter(None, [table.attrs["notes"], *lost]))

@@ -9,7 +9,8 @@ from typing import Any
 import xarray as xr
 
 from surrogate.sensitivity.screening import Screening, decide
-from surrogate.space.space import Space
+from surrogate.solver import Solver
+from surrogate.space.space import Parameter, Space
 from surrogate.stages.fits import Fits
 from surrogate.stages.sensitivity import SensitivityMethod, analysed
 
@@ -20,6 +21,23 @@ class ScreeningRule:
 
     freeze_below: float
     outputs: tuple[str, ...] = ()
+
+
+def nominal_values(space: Space, solver: Solver) -> dict[str, float | str]:
+    """The solver's nominal values of those parameters whose range holds theirs."""
+    found: dict[str, float | str] = {}
+    for parameter in space.parameters:
+        value = solver.inputs[parameter.name].nominal
+        if value is not None and _holds(parameter, value):
+            found[parameter.name] = value
+    return found
+
+
+def _holds(parameter: Parameter, value: float | str) -> bool:
+    if parameter.distribution is None:
+        return value in parameter.levels
+    low, high = parameter.distribution.support
+    return low <= float(value) <= high
 
 
 def screening(

@@ -156,8 +156,8 @@ class Walk:
         for job, result in self._carried_out(stage.name, left):
             found[job.label] = result
             kept.save(paths[job.label], made_from[job.label], result)
-        result: Result = stage.does([(job, found[job.label]) for job in jobs])
-        return result
+        gathered: Result = stage.does([(job, found[job.label]) for job in jobs])
+        return gathered
 
     def _carried_out(self, name: str, jobs: list[Job]) -> Iterator[tuple[Job, Result]]:
         """Each job with its result; says which one it waits for."""

@@ -11,11 +11,15 @@ import yaml
 class _Dumper(yaml.SafeDumper):
     """Writes small lists and mappings on one line, as people do in studies."""
 
-    def represent_sequence(self, tag, sequence, flow_style=None):
+    def represent_sequence(
+        self, tag: str, sequence: Any, flow_style: bool | None = None
+    ) -> yaml.SequenceNode:
         flat = all(not isinstance(item, list | tuple | dict) for item in sequence)
         return super().represent_sequence(tag, sequence, flow_style=flat)
 
-    def represent_mapping(self, tag, mapping, flow_style=None):
+    def represent_mapping(
+        self, tag: str, mapping: Any, flow_style: bool | None = None
+    ) -> yaml.MappingNode:
         flat = all(not isinstance(item, dict) for item in dict(mapping).values())
         return super().represent_mapping(tag, mapping, flow_style=flat)
 

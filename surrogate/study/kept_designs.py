@@ -24,8 +24,9 @@ from surrogate.runs import dataset as rundata
 from surrogate.runs.files import write_text
 from surrogate.solver import Solver
 from surrogate.study import file as studyfile
-from surrogate.study import reading
-from surrogate.study.reading import Reading
+from surrogate.study.reading.designs import designs_of
+from surrogate.study.reading.mistakes import Reading
+from surrogate.study.reading.solver import space_of
 from surrogate.study.source import read_text
 
 Coded = NDArray[np.float64]
@@ -94,7 +95,7 @@ def _points_in(runs: xr.Dataset, solver: Solver) -> dict[str, Coded]:
     if part is None:
         return {}
     notes = Reading(part, None, broken)
-    designs = reading.designs_of(notes, reading.space_of(notes, solver))
+    designs = designs_of(notes, space_of(notes, solver))
     names, coded = runs["design"].values.astype(str), runs["coded"].values
     return {
         design.identity: coded[names == name]

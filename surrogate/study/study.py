@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
@@ -15,16 +14,13 @@ import xarray as xr
 
 from surrogate.designs.aliasing import Aliasing
 from surrogate.designs.design import Design
-from surrogate.errors import StudyError
-from surrogate.execution.execute import Progress, cores, execute
-from surrogate.execution.fresh import execute_fresh
+from surrogate.execution.execute import Progress, cores
 from surrogate.fitting.comparison import best
 from surrogate.fitting.fit import Fit
-from surrogate.runs import stored as storing
-from surrogate.runs.assembly import assemble, physical_columns
-from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
+from surrogate.runs.assembly import physical_columns
+from surrogate.runs.identity import SolverSpec, run_inputs
 from surrogate.runs.journal import read as read_journal
-from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
+from surrogate.runs.stored import StoredRuns
 from surrogate.sensitivity.screening import Screening
 from surrogate.solver import Output, broken, constraints_of
 from surrogate.space.space import Space
@@ -35,15 +31,14 @@ from surrogate.stages.aliasing import aliases, aliasing
 from surrogate.stages.comparison import comparison
 from surrogate.stages.fits import Fits, Surrogate
 from surrogate.stages.regression import regression
-from surrogate.stages.screening import ScreeningRule, screening
+from surrogate.stages.screening import ScreeningRule, nominal_values, screening
 from surrogate.stages.sensitivity import SensitivityMethod
 from surrogate.stages.validation import validation
 from surrogate.stages.yaml_text import write_yaml
-from surrogate.study import file as studyfile
 from surrogate.study import reading
-from surrogate.study.kept_designs import keep, recall
+from surrogate.study.asked_runs import AskedRuns
 from surrogate.study.parts import ExecutionPart
-from surrogate.study.reading import Reading
+from surrogate.study.reading import fields_of
 from surrogate.study.source import Source, read_file, read_text
 from surrogate.validation.cases import Cases, from_runs
 from surrogate.validation.validation import Validation, fixed_inputs
@@ -79,17 +74,22 @@ class Study:
     def from_yaml(cls, path: str | Path) -> Study:
         """The study in a file; raises `StudyError` with every mistake and its place."""
         path = Path(path)
-        return _build(cls, read_file(path), path.resolve().parent)
+        return cls._of(read_file(path), path.resolve().parent)
 
     @classmethod
     def from_text(cls, text: str, name: str = "study.yaml") -> Study:
         """The study in YAML `text`; `name` stands for the file in messages."""
-        return _build(cls, read_text(text, name), None)
+        return cls._of(read_text(text, name), None)
 
     @classmethod
     def from_mapping(cls, data: Mapping[str, Any]) -> Study:
         """The study in the words of a study file, as Python data; `module:object` names a class."""
-        return _build(cls, Source(data=data), None)
+        return cls._of(Source(data=data), None)
+
+    @classmethod
+    def _of(cls, source: Source, folder: Path | None) -> Study:
+        """The study that a source describes; modules and files are looked for in `folder`."""
+        return cls(**fields_of(source, folder, _reference), source=source)
 
     @property
     def folder(self) -> Path:
@@ -133,36 +133,26 @@ class Study:
         """Designs whose points follow from a construction and not from a search."""
         return tuple(name for name, design in self.designs.items() if not design.searched)
 
-    def with_kept_designs(self, results: Path | None = None) -> Study:
-        """The same study with those points of its designs that were found before.
-
-        A design does not move once its runs have begun; see `surrogate.study.kept_designs`.
-        """
-        if all(design.at_hand for design in self.designs.values()):
-            return self
+    def asked(self, results: Path | None = None) -> AskedRuns:
+        """The runs that the study asks for, and what a results folder holds of them."""
         folder = results or self.folder
-        if folder not in self._recalled:
-            stored = [file.runs for file in self.stored_runs]
-            designs = recall(self.designs, folder, stored, self.spec.solver)
-            self._recalled[folder] = replace(self, designs=designs)
-        return self._recalled[folder]
+        if folder not in self._asked:
+            self._asked[folder] = AskedRuns(
+                folder,
+                self.spec,
+                self.space,
+                self.constants,
+                self.outputs,
+                self.designs,
+                self.stored_runs,
+                self.text,
+            ).recalled()
+        return self._asked[folder]
 
     @cached_property
-    def _recalled(self) -> dict[Path, Study]:
-        """This study as `with_kept_designs` of a folder gives it."""
+    def _asked(self) -> dict[Path, AskedRuns]:
+        """What `asked` gave for each folder, so that points and keys are found once."""
         return {}
-
-    @property
-    def at_hand(self) -> Study:
-        """The same study, without the points of designs that would have to be searched for."""
-        if all(design.at_hand for design in self.designs.values()):
-            return self
-        none = np.empty((0, self.space.size))
-        designs = {
-            name: design if design.at_hand else design.with_points(none)
-            for name, design in self.designs.items()
-        }
-        return replace(self, designs=designs)
 
     @property
     def broken_constraints(self) -> dict[str, dict[str, int]]:
@@ -187,58 +177,13 @@ class Study:
         """Where finished runs are written down."""
         return (results or self.folder) / "journal"
 
-    @cached_property
-    def _calls(self) -> list[RunInputs]:
-        """What the solver is called with, for each row of the runs dataset."""
-        return run_inputs(self.spec, physical_columns(self.space, self.points), self.constants)
-
-    @cached_property
-    def _keys(self) -> list[str]:
-        """The identity of each of these runs."""
-        return keys(self.spec, self._calls)
-
-    @cached_property
-    def _given(self) -> StoredMatches:
-        """The runs that the study's stored files hold."""
-        return self._matching(self.stored_runs)
-
-    def _matching(self, files: Iterable[StoredRuns]) -> StoredMatches:
-        return storing.match(
-            files,
-            self.spec,
-            self._calls,
-            self._keys,
-            self.spec.wanted(self.outputs),
-        )
-
     def stored(self, results: Path | None = None) -> xr.Dataset:
         """The runs dataset as far as the journal and the stored files go; the rest is 'missing'.
 
         Its attribute `stored` tells how many runs came from which stored file, `damaged` has
         a sentence for each damaged record of the journal.
         """
-        here = self.with_kept_designs(results)
-        contents = read_journal(self.journal(results))
-        known = KnownRuns(contents, here._given, self.spec.wanted(self.outputs))
-        runs = assemble(
-            self.space,
-            here.points,
-            self.spec,
-            known,
-            constants=self.constants,
-            outputs=self.outputs,
-            study=self.text,
-            seeds={
-                name: design.options["seed"]
-                for name, design in self.designs.items()
-                if "seed" in design.options
-            },
-            run_keys=here._keys,
-        )
-        return runs.assign_attrs(
-            stored=canonical(known.origins(here._keys)),
-            damaged=canonical(contents.told),
-        )
+        return self.asked(results).dataset()
 
     def damaged(self, results: Path | None = None) -> list[str]:
         """A sentence for each damaged record of the journal."""
@@ -249,24 +194,14 @@ class Study:
 
         No run of a design is done before its points are found, so counting needs no search.
         """
-        here = self.with_kept_designs(results)
-        waiting = sum(design.rows for design in here.designs.values() if not design.at_hand)
-        return here.at_hand.stored(results), waiting
+        asked = self.asked(results)
+        return asked.at_hand.dataset(), asked.waiting
 
     @property
     def unused(self) -> list[str]:
         """A sentence for each stored file that holds no run of this study: what differs first."""
-        here = self.with_kept_designs()
-        at_hand = here.at_hand
-        return [
-            self.source.sentence(
-                ("stored", index),
-                f"no run in '{file.name}' is one of this study's: "
-                + storing.first_difference(file, self.spec, here._calls, self.outputs),
-            )
-            for index, file in enumerate(self.stored_runs)
-            if not at_hand._matching([file]).records and not here._matching([file]).records
-        ]
+        found = self.asked().unused()
+        return [self.source.sentence(("stored", index), sentence) for index, sentence in found]
 
     def run(
         self,
@@ -286,32 +221,16 @@ class Study:
         nothing over; old records count until all is done, and an interrupted call is resumed
         by repeating it.
         """
-        here = self.with_kept_designs(results)
-        keep(here.designs, results or self.folder)
-        known = {} if fresh else {"others": self._neighbours(results), "given": here._given}
-        carry_out = execute_fresh if fresh else execute
-        carry_out(
-            self.spec,
-            physical_columns(self.space, here.points),
-            journal=self.journal(results),
-            constants=self.constants,
-            outputs=self.outputs,
-            workers=workers or self.execution.workers,
-            timeout=self.execution.timeout,
-            retries=self.execution.retries,
+        asked = self.asked(results)
+        asked.do(
+            self.execution,
+            workers=workers,
             executor=executor,
-            progress=progress,
             rerun=("failed", "timed_out") if retry_failed else (),
-            **known,
+            fresh=fresh,
+            progress=progress,
         )
-        return self.stored(results)
-
-    def _neighbours(self, results: Path | None) -> list[Path]:
-        """Journals of other studies beside this one's results."""
-        own = Path(os.path.realpath(self.journal(results)))  # a loop of links is no error
-        return [
-            journal for journal in sorted(own.parent.parent.glob("*/journal")) if journal != own
-        ]
+        return asked.dataset()
 
     def fit(self, runs: xr.Dataset) -> dict[str, dict[str, Fit]]:
         """Every surrogate fitted to every output: surrogate -> output -> Fit.
@@ -369,17 +288,7 @@ class Study:
     @property
     def nominal(self) -> dict[str, float | str]:
         """The solver's nominal values of those parameters whose range holds theirs."""
-        nominal = {p.name: self.spec.solver.inputs[p.name].nominal for p in self.space.parameters}
-        return {
-            p.name: nominal[p.name]
-            for p in self.space.parameters
-            if nominal[p.name] in p.levels
-            or (
-                not p.categorical
-                and nominal[p.name] is not None
-                and p.distribution.support[0] <= nominal[p.name] <= p.distribution.support[1]
-            )
-        }
+        return nominal_values(self.space, self.spec.solver)
 
     def beside(self, other: Study, results: Path | None = None) -> Path:
         """Where the results of another study lie, when this one's lie in `results`."""
@@ -391,7 +300,7 @@ class Study:
         A study's runs are taken as far as they are stored. Raises `StudyError` for cases
         that are not understood, and when there are none.
         """
-        found = given
+        found: Any = given
         if given is None:
             found = self.validation and (self.validation.cases or self.validation.reference)
         elif isinstance(given, str | Path):
@@ -402,10 +311,11 @@ class Study:
             found = from_runs(found.stored(self.beside(found, results)), found.name)
         elif isinstance(found, xr.Dataset):
             found = from_runs(found, "runs")
-        found = found.in_units({**self.spec.solver.inputs, **self.spec.solver.outputs})
-        found = found.by_subject(self.validation and self.validation.subject)
-        reading.check_cases(found, self.space, self.offered, self._compared)
-        return found
+        units = {**self.spec.solver.inputs, **self.spec.solver.outputs}
+        subject = self.validation.subject if self.validation else None
+        cases: Cases = found.in_units(units).by_subject(subject)
+        reading.check_cases(cases, self.space, self.offered, self._compared)
+        return cases
 
     @property
     def offered(self) -> dict[str, Output]:
@@ -474,45 +384,4 @@ def _reference(path: Path) -> Study:
     source = read_file(path)
     if isinstance(source.data, dict):
         source.data.pop("validation", None)
-    return _build(Study, source, path.resolve().parent)
-
-
-def _build(cls: type[Study], source: Source, folder: Path | None) -> Study:
-    """Read every part, note every mistake, raise them together or return the study."""
-    part, mistakes, broken = studyfile.read(source.data)
-    if part is None:
-        raise StudyError(*reading.sentences(source, mistakes))
-    notes = Reading(part, folder, broken, mistakes)
-    spec, solver = reading.solver_of(notes)
-    space = reading.space_of(notes, solver) if solver else None
-    constants = reading.constants_of(notes, solver) if solver else {}
-    outputs = reading.outputs_of(notes, solver, space) if solver else ()
-    designs = reading.designs_of(notes, space)
-    surrogates = reading.surrogates_of(notes, designs, space)
-    sensitivity = reading.sensitivity_of(notes, space)
-    if solver:
-        reading.check_screening(notes, outputs)
-    stored_runs = reading.stored_of(notes)
-    validation = (
-        reading.validation_of(notes, solver, space, outputs, constants, _reference)
-        if solver
-        else None
-    )
-    if notes.mistakes:
-        raise StudyError(*reading.sentences(source, notes.mistakes))
-    return cls(
-        part.study,
-        part.about.strip(),
-        spec,
-        space,
-        constants,
-        outputs,
-        designs,
-        surrogates,
-        sensitivity,
-        part.screening and ScreeningRule(part.screening.freeze_below, part.screening.outputs),
-        part.execution,
-        stored_runs,
-        validation,
-        source,
-    )
+    return Study._of(source, path.resolve().parent)

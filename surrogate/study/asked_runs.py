@@ -1,0 +1,172 @@
+"""The runs that a study asks for: which are there in a results folder, and how to do the rest."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from surrogate.designs.design import Design
+from surrogate.execution.execute import Progress, execute
+from surrogate.execution.fresh import execute_fresh
+from surrogate.runs import stored as storing
+from surrogate.runs.assembly import assemble, physical_columns
+from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
+from surrogate.runs.journal import read as read_journal
+from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
+from surrogate.space.space import Space
+from surrogate.study.kept_designs import keep, recall
+from surrogate.study.parts import ExecutionPart
+
+
+@dataclass(frozen=True, eq=False)
+class AskedRuns:
+    """Every point of every design, as runs of the solver, with what `folder` holds of them.
+
+    folder   results folder of the study
+    designs  with those points that were found by search before, see `kept_designs`
+    text     the study as written, for the runs dataset
+    """
+
+    folder: Path
+    spec: SolverSpec
+    space: Space
+    constants: Mapping[str, float | str]
+    outputs: tuple[str, ...]
+    designs: Mapping[str, Design]
+    stored_runs: tuple[StoredRuns, ...]
+    text: str
+
+    def recalled(self) -> AskedRuns:
+        """The same with the points that were found before: a design does not move once begun."""
+        if all(design.at_hand for design in self.designs.values()):
+            return self
+        stored = [file.runs for file in self.stored_runs]
+        return replace(self, designs=recall(self.designs, self.folder, stored, self.spec.solver))
+
+    @cached_property
+    def at_hand(self) -> AskedRuns:
+        """The same without the points of designs that would have to be searched for."""
+        if all(design.at_hand for design in self.designs.values()):
+            return self
+        none = np.empty((0, self.space.size))
+        designs = {
+            name: design if design.at_hand else design.with_points(none)
+            for name, design in self.designs.items()
+        }
+        return replace(self, designs=designs)
+
+    @property
+    def waiting(self) -> int:
+        """Runs of the designs whose points are not found yet: none of them is done."""
+        return sum(design.rows for design in self.designs.values() if not design.at_hand)
+
+    @property
+    def journal(self) -> Path:
+        """Where finished runs are written down."""
+        return self.folder / "journal"
+
+    @property
+    def points(self) -> dict[str, np.ndarray]:
+        """Coded points (run, parameter) of each design."""
+        return {name: design.coded for name, design in self.designs.items()}
+
+    @cached_property
+    def calls(self) -> list[RunInputs]:
+        """What the solver is called with, for each row of the runs dataset."""
+        return run_inputs(self.spec, physical_columns(self.space, self.points), self.constants)
+
+    @cached_property
+    def keys(self) -> list[str]:
+        """The identity of each of these runs."""
+        return keys(self.spec, self.calls)
+
+    @cached_property
+    def given(self) -> StoredMatches:
+        """The runs that the study's stored files hold."""
+        return self.matching(self.stored_runs)
+
+    def matching(self, files: Iterable[StoredRuns]) -> StoredMatches:
+        """The runs that some files hold."""
+        wanted = self.spec.wanted(self.outputs)
+        return storing.match(files, self.spec, self.calls, self.keys, wanted)
+
+    def unused(self) -> Iterator[tuple[int, str]]:
+        """Number and a sentence of each stored file that holds none of the runs."""
+        for index, file in enumerate(self.stored_runs):
+            if not self.at_hand.matching([file]).records and not self.matching([file]).records:
+                why = storing.first_difference(file, self.spec, self.calls, self.outputs)
+                yield index, f"no run in '{file.name}' is one of this study's: {why}"
+
+    def dataset(self) -> xr.Dataset:
+        """The runs dataset as far as journal and stored files go; the rest is 'missing'.
+
+        Its attribute `stored` tells how many runs came from which stored file, `damaged` has
+        a sentence for each damaged record of the journal.
+        """
+        contents = read_journal(self.journal)
+        known = KnownRuns(contents, self.given, self.spec.wanted(self.outputs))
+        runs = assemble(
+            self.space,
+            self.points,
+            self.spec,
+            known,
+            constants=self.constants,
+            outputs=self.outputs,
+            study=self.text,
+            seeds={
+                name: design.options["seed"]
+                for name, design in self.designs.items()
+                if "seed" in design.options
+            },
+            run_keys=self.keys,
+        )
+        return runs.assign_attrs(
+            stored=canonical(known.origins(self.keys)), damaged=canonical(contents.told)
+        )
+
+    def do(
+        self,
+        execution: ExecutionPart,
+        *,
+        workers: int | None,
+        executor: Executor | None,
+        rerun: tuple[str, ...],
+        fresh: bool,
+        progress: Callable[[Progress], None] | None,
+    ) -> None:
+        """Do the runs that neither journal, nor neighbours, nor stored files have.
+
+        fresh: all of them, taking nothing over. The other words are those of `execute`.
+        """
+        keep(self.designs, self.folder)
+        how: dict[str, Any] = {
+            "journal": self.journal,
+            "constants": self.constants,
+            "outputs": self.outputs,
+            "workers": workers or execution.workers,
+            "timeout": execution.timeout,
+            "retries": execution.retries,
+            "executor": executor,
+            "progress": progress,
+            "rerun": rerun,
+        }
+        columns = physical_columns(self.space, self.points)
+        if fresh:
+            execute_fresh(self.spec, columns, **how)
+        else:
+            execute(self.spec, columns, **how, others=self._neighbours(), given=self.given)
+
+    def _neighbours(self) -> list[Path]:
+        """Journals of other studies beside this one's results."""
+        own = Path(os.path.realpath(self.journal))  # a loop of links is no error
+        return [
+            journal for journal in sorted(own.parent.parent.glob("*/journal")) if journal != own
+        ]

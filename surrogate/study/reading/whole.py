@@ -1,0 +1,59 @@
+"""From a study's source to the fields of `Study`, or all its mistakes at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from surrogate.errors import StudyError
+from surrogate.stages.screening import ScreeningRule
+from surrogate.study import file as studyfile
+from surrogate.study.reading.designs import designs_of
+from surrogate.study.reading.methods import check_screening, sensitivity_of, surrogates_of
+from surrogate.study.reading.mistakes import Reading, sentences
+from surrogate.study.reading.runs import stored_of
+from surrogate.study.reading.solver import constants_of, outputs_of, solver_of, space_of
+from surrogate.study.reading.validation import validation_of
+from surrogate.study.source import Source
+
+
+def fields_of(
+    source: Source, folder: Path | None, study_at: Callable[[Path], Any]
+) -> dict[str, Any]:
+    """Read every part, note every mistake, raise them together or return the fields.
+
+    folder    where modules and files that the study names are looked for
+    study_at  reads another study, whose runs are the cases of validation
+    """
+    part, mistakes, broken = studyfile.read(source.data)
+    if part is None:
+        raise StudyError(*sentences(source, mistakes))
+    notes = Reading(part, folder, broken, mistakes)
+    spec, solver = solver_of(notes)
+    space = space_of(notes, solver) if solver else None
+    fields: dict[str, Any] = {
+        "name": part.study,
+        "about": part.about.strip(),
+        "spec": spec,
+        "space": space,
+        "constants": constants_of(notes, solver) if solver else {},
+        "outputs": outputs_of(notes, solver, space) if solver else (),
+        "designs": (designs := designs_of(notes, space)),
+        "surrogates": surrogates_of(notes, designs, space),
+        "sensitivity_method": sensitivity_of(notes, space),
+        "execution": part.execution,
+    }
+    if solver:
+        check_screening(notes, fields["outputs"])
+    rule = part.screening
+    fields["screening_rule"] = ScreeningRule(rule.freeze_below, rule.outputs) if rule else None
+    fields["stored_runs"] = stored_of(notes)
+    fields["validation"] = (
+        validation_of(notes, solver, space, fields["outputs"], fields["constants"], study_at)
+        if solver
+        else None
+    )
+    if notes.mistakes:
+        raise StudyError(*sentences(source, notes.mistakes))
+    return fields
