@@ -6,7 +6,9 @@ that nobody holds its lock, and removes it.
 
 from __future__ import annotations
 
+import os
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -46,8 +48,17 @@ def _create() -> tuple[Path, Lock]:
 def _remove_abandoned() -> None:
     for path in Path(tempfile.gettempdir()).glob(f"{PREFIX}*/{LOCK}"):
         with suppress(ResultsError, OSError):
-            Lock(path).release()
-            shutil.rmtree(path.parent, ignore_errors=True)
+            if _is_ours(path.parent):
+                Lock(path).release()
+                shutil.rmtree(path.parent, ignore_errors=True)
+
+
+def _is_ours(folder: Path) -> bool:
+    """False for a folder that another user made: its lock could be a link to a file of ours."""
+    status = folder.lstat()
+    return stat.S_ISDIR(status.st_mode) and (
+        not hasattr(os, "getuid") or status.st_uid == os.getuid()
+    )
 
 
 def worker_place(folder: Path, number: int) -> Path:

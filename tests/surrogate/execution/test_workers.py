@@ -282,6 +282,9 @@ def test_folders_of_killed_programs_go_at_the_next_start(temporary):
     for name in ("surrogate-old", "surrogate-other"):
         (temporary / name / "1").mkdir(parents=True)
     (temporary / "surrogate-old" / "owner").write_text("process 1")
+    (temporary.parent / "theirs").mkdir()
+    (temporary.parent / "theirs" / "owner").write_text("precious")
+    (temporary / "surrogate-link").symlink_to(temporary.parent / "theirs")
     hold = (
         "import sys; from pathlib import Path; from surrogate.execution.folder import owned_folder"
         "\nwith owned_folder() as folder: print(folder, flush=True); sys.stdin.read()"
@@ -291,9 +294,11 @@ def test_folders_of_killed_programs_go_at_the_next_start(temporary):
     )
     held = Path(holder.stdout.readline().strip())
     with owned_folder() as ours, owned_folder() as second:
-        assert set(temporary.iterdir()) == {held, ours, second, temporary / "surrogate-other"}
+        left = {temporary / "surrogate-other", temporary / "surrogate-link"}
+        assert set(temporary.iterdir()) == {held, ours, second, *left}
     holder.communicate("")
-    assert list(temporary.iterdir()) == [temporary / "surrogate-other"]
+    assert set(temporary.iterdir()) == left
+    assert (temporary.parent / "theirs" / "owner").read_text() == "precious"
 
 
 @linux
