@@ -5,10 +5,12 @@ Exit status: 0 done; 1 something failed; 2 the input is wrong; 130 interrupted.
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import sys
 import traceback
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -328,7 +330,7 @@ def _grown_figures(grown: GrownCohort, out: Path) -> dict[str, Any]:
     }
 
 
-def _table(headings: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
+def _table(headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Table:
     made = Table(box=None, pad_edge=False)
     for heading in headings:
         made.add_column(heading, overflow="fold")
@@ -354,7 +356,8 @@ def _reachable(*paths: Path | None) -> None:
 def main() -> None:
     """Run the command; people's mistakes end in sentences, never in a traceback."""
     for stream in (sys.stdout, sys.stderr):  # names of files need not be UTF-8
-        stream.reconfigure(errors="backslashreplace")
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         app()
     except (ScanError, BandageChoiceError, StudyError) as error:

@@ -12,6 +12,7 @@ import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Constraint, Input
@@ -269,7 +270,7 @@ def check_ranges(inputs: Mapping[str, Input], values: Mapping[str, float | str])
                 )
             continue
         low, high = inputs[name].range
-        if not low <= value <= high:
+        if not low <= float(value) <= high:
             unit = f" {inputs[name].unit}".rstrip()
             raise SolverError(
                 f"{name}: {value:g}{unit} is not between {low:g} and {high:g}{unit}, "
@@ -282,7 +283,7 @@ def complete(inputs: Mapping[str, Input], given: Mapping[str, float | str]) -> d
     unknown = [name for name in given if name not in inputs]
     if unknown:
         raise SolverError(f"{unknown[0]}: no such input; {nearest(unknown[0], inputs)}")
-    values = {name: given.get(name, one.nominal) for name, one in inputs.items()}
+    values: dict[str, Any] = {name: given.get(name, one.nominal) for name, one in inputs.items()}
     values = {
         name: value if inputs[name].levels else float(value) for name, value in values.items()
     }

@@ -111,7 +111,7 @@ class LegBandage:
 
     def __call__(self, **inputs: float | str) -> dict[str, float | np.ndarray]:
         """The outputs at these inputs; what is not given has its nominal value."""
-        return self.run(**inputs).values
+        return self.run(None, **inputs).values
 
     def run(self, leg: Leg | None = None, **inputs: float | str) -> Result:
         """The same with the model and its displacements, for export and pictures.
@@ -151,10 +151,11 @@ class LegBandage:
             leg.surface, wrap, element_rows(leg.surface, wrap, self.mesh.around), self.mesh.across
         )
         mesh = mesh_leg(leg, bone_envelope(leg), self.mesh)
-        given = {"material": material, "ends": self.ends, "solver": self.solver}
         if wrapping == "progressive":
-            return wrap_and_solve(mesh, laid, wrap, **given)
-        model = build(mesh, laid, wrap, **given)
+            return wrap_and_solve(
+                mesh, laid, wrap, material=material, ends=self.ends, solver=self.solver
+            )
+        model = build(mesh, laid, wrap, material, self.ends, self.solver)
         return model, solve(model)
 
     def _material(self, q) -> Material:

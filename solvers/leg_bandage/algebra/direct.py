@@ -17,7 +17,7 @@ import weakref
 from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
-from types import ModuleType
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -32,7 +32,10 @@ ANALYSE, FACTORISE, SOLVE = 11, 22, 33
 # whatever their number (34: the same digits always); then precision (28) and the power of
 # ten below which pivots are raised (10).
 PARDISO_SETTINGS = {1: 1, 2: 2, 8: 0, 11: 0, 12: 2, 13: 0, 18: 0, 21: 0, 24: 0, 27: 0, 34: 2}
-PARDISO_PRECISION = {np.float32: {28: 1, 10: 8}, np.float64: {28: 0, 10: 13}}
+PARDISO_PRECISION: dict[type, dict[int, int]] = {
+    np.float32: {28: 1, 10: 8},
+    np.float64: {28: 0, 10: 13},
+}
 
 
 class DirectSolver:
@@ -45,8 +48,8 @@ class DirectSolver:
     def __init__(self, name: str, pattern: csc_array):
         self.engine = engine_class(name)
         self.pattern, self.matrix = pattern, None
-        self._factors = {np.float32: self.engine(pattern, np.float32)}
-        self._precision = np.float32
+        self._factors: dict[type, Any] = {np.float32: self.engine(pattern, np.float32)}
+        self._precision: type = np.float32
 
     def factorise(self, values: np.ndarray) -> None:
         """Single-precision LU factors of the matrix with these values (nnz,)."""
@@ -95,7 +98,8 @@ class SuperLU:
     """SciPy's SuperLU with a symmetric minimum-degree order that is found once."""
 
     def __init__(self, pattern: csc_array, precision: type):
-        self._precision, self._order, self._ordered = precision, None, False
+        self._precision, self._ordered = precision, False
+        self._order: np.ndarray | None = None
 
     def factorise(self, matrix: csc_array) -> None:
         """LU factors of a matrix (n, n) with the pattern."""
@@ -151,7 +155,7 @@ class Pardiso:
             self._engine.set_iparm(number, value)
         weakref.finalize(self, self._engine.free_memory, everything=True)
         self._from_one = [index.astype(np.int32) + 1 for index in (pattern.indptr, pattern.indices)]
-        self._values = pattern.data.astype(precision)
+        self._values: np.ndarray = pattern.data.astype(precision)
         self._run(ANALYSE, np.zeros(pattern.shape[0]))
 
     def factorise(self, matrix: csc_array) -> None:
@@ -223,7 +227,7 @@ def engine_class(name: str) -> type:
 
 
 @cache
-def pypardiso() -> ModuleType | Exception:
+def pypardiso() -> Any:
     """The package, told where MKL is; or why it does not work here: its search takes seconds."""
     library = mkl_library()
     if library is not None:

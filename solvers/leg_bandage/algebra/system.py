@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
+import numpy.typing as npt
 from scipy.sparse import csc_array, csr_array
 from threadpoolctl import ThreadpoolController
 
@@ -48,7 +49,7 @@ class System:
     """
 
     def __init__(
-        self, parts: Sequence[Part], n_dofs: int, fixed: np.ndarray = (), solver: str = "auto"
+        self, parts: Sequence[Part], n_dofs: int, fixed: npt.ArrayLike = (), solver: str = "auto"
     ):
         self.parts, self.n_dofs = tuple(parts), n_dofs
         free = np.ones(n_dofs, dtype=bool)
@@ -73,7 +74,7 @@ class System:
             with DENSE.limit(limits=1):
                 return np.concatenate([values() for _, values in answers])
 
-        return sum(residual for residual, _ in answers), tangent
+        return sum((residual for residual, _ in answers), np.zeros(self.n_dofs)), tangent
 
     def pack(self, values: np.ndarray) -> np.ndarray:
         """Values of the tangent of `linearise` summed into the stored entries, for `solve`."""

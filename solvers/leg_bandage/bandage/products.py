@@ -13,6 +13,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from surrogate.errors import SolverError, nearest
 
 from .fabric import Fabric
@@ -86,7 +88,7 @@ def at_tension(tension: float, fabric: Fabric = NOMINAL) -> Fabric:
         raise SolverError(f"tension: {tension!r} N/mm must be above 0")
     if not fabric.curve:
         return replace(fabric, K1=tension / (STRETCH - 1))
-    scale = tension / float(fabric.tension(STRETCH))
+    scale = tension / float(fabric.tension(np.array(STRETCH)))
     curve = tuple((stretch, scale * force) for stretch, force in fabric.curve)
     return replace(fabric, K1=tension / (STRETCH - 1), curve=curve)
 

@@ -92,11 +92,11 @@ class Shell:
         """The deformed bandage at parameters xi (n, 2), counted in elements."""
         jet = self.strip.at(xi, self.start + u.reshape(-1, 3))
         along, across = jet[:, 1] / self.steps[0], jet[:, 2] / self.steps[1]
-        lengths = [np.linalg.norm(a, axis=1) for a in (along, across)]
+        warp, weft = (np.linalg.norm(a, axis=1) for a in (along, across))
         normal = np.cross(along, across)
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        shear = np.einsum("ni,ni->n", along, across) / (lengths[0] * lengths[1])
-        return Fields(jet[:, 0], along, across, normal, *lengths, shear)
+        shear = np.einsum("ni,ni->n", along, across) / (warp * weft)
+        return Fields(jet[:, 0], along, across, normal, warp, weft, shear)
 
     def strains(self, u: np.ndarray) -> np.ndarray:
         """l1, l2, sin(gamma), k11, k22, 2 k12 at the quadrature points, (6, 4, n_elements)."""

@@ -45,7 +45,7 @@ def draw(result: Result, path: str | Path) -> Path:
     skin = np.degrees(theta), z
     _panel(figure, panels[0, 0], *skin, pressure, "Interface pressure, mmHg", "viridis")
     _panel(figure, panels[0, 1], *skin, layers, "Layers", "cividis")
-    disc = Disc(MEDIAL, result.values["b1_height"])
+    disc = Disc(MEDIAL, float(result.values["b1_height"]))
     panels[0, 0].plot(*_outline(leg, disc), color="white", linewidth=1.5)
     for panel in panels[0]:
         panel.set_xlabel("theta, degrees (0 lateral, 90 anterior, 180 medial)")

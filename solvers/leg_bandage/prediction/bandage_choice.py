@@ -59,12 +59,15 @@ def choose_bandage(
 
     mu_skin: None for unknown, 0.2 with a range of 0.1 to 0.3.
     """
-    if (bandage is None) == (tension is None):
+    if bandage is not None and tension is None:
+        found = _tension_of(bandage)
+    elif tension is not None and bandage is None:
+        found = tension
+    else:
         raise BandageChoiceError(
             "give either --bandage NAME or --tension N/MM, the bandage's tension per "
             f"width at stretch 1.3; bandages: {', '.join(sorted(BANDAGES))}"
         )
-    found = _tension_of(bandage) if bandage is not None else tension
     _check("tension", found, "it is in N/mm, at stretch 1.3: 98 N/m are 0.098 N/mm")
     _check("stretch", stretch, "it is length over rest length: 30 % of extension are 1.3")
     if mu_skin is not None:

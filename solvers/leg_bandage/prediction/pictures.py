@@ -101,6 +101,7 @@ def colour_bar(surface: Surface, width: int = 340) -> str:
 
 def answers_drawn(told: Prediction, width: int = 400) -> str:
     """The answers on one axis: the reduced model with its interval and its parts, the others."""
+    lines: list[tuple[str, float | None, float | None, float | None, str]]
     lines = [("reduced model", told.value, told.low, told.high, "strong")]
     lines += [
         (f"{part.name} alone", None, told.value + part.low, told.value + part.high, "part")

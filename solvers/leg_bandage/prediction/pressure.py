@@ -150,8 +150,8 @@ def solve_on(leg: Leg, choice: BandageChoice, mesh: str) -> Solved:
     grid = LegBandage.outputs["pressure_field"].coordinates
     return Solved(
         mesh,
-        values["pressure_b1"],
-        Skin(grid["theta"], grid["height"], values["pressure_field"]),
+        float(values["pressure_b1"]),
+        Skin(grid["theta"], grid["height"], np.asarray(values["pressure_field"])),
         time.perf_counter() - start,
     )
 

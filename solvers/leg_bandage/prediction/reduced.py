@@ -109,7 +109,7 @@ class Reduced:
             )
         return fits[name][output]
 
-    def inputs(self, leg: Mapping[str, float], choice: BandageChoice) -> dict[str, float | str]:
+    def inputs(self, leg: Mapping[str, float], choice: BandageChoice) -> dict[str, Any]:
         """Values of the study's parameters for a leg (leg_length, alpha1 ...) under a bandage.
 
         A study that does not vary the stretch was run at 1.3: another stretch reaches it as

@@ -319,7 +319,7 @@ def _fitted(
         scanned,
         sections,
         leg.length,
-        tuple(map(float, leg.alphas)),
+        leg.alphas or (),
         ranges,
         error,
         side,

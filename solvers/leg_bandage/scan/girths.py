@@ -89,7 +89,7 @@ def zones(found: Profile) -> list[Zone]:
         return []
     inner = np.flatnonzero((girth[1:-1] <= girth[:-2]) & (girth[1:-1] < girth[2:])) + 1
     ankles = [0, *inner] if found.open and girth[0] < girth[1] else list(inner)
-    seen = [_zone(z, girth, k) for k in ankles]
+    seen = [_zone(z, girth, int(k)) for k in ankles]
     return sorted((zone for zone in seen if _plausible(zone)), key=lambda zone: zone.ankle_girth)
 
 
@@ -101,7 +101,7 @@ def _zone(z: np.ndarray, girth: np.ndarray, ankle: int) -> Zone:
         (above < (1 - FALL) * highest) & (highest > CALF_OVER_ANKLE[0] * above[0])
     )
     end = fallen[0] if len(fallen) else len(above)
-    calf = ankle + above[:end].argmax()
+    calf = ankle + int(above[:end].argmax())
     return Zone(z[ankle], girth[ankle], _peak(z, girth, calf), girth[calf])
 
 

@@ -184,7 +184,7 @@ def _largest_piece(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> S
             "the area; cut out one leg, or close the gaps between its parts, and "
             "export that alone"
         )
-    notes = ()
+    notes: tuple[str, ...] = ()
     if len(names) > 1:
         notes = (
             f"the scan has {len(names)} pieces; the largest, {share:.1%} of the area, is taken",

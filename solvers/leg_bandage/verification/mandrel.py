@@ -120,7 +120,7 @@ def ring_on_tube(
     mesh is that of a straight tube; three nodes of its hole keep it from drifting.
     """
     count, height = mesh.mesh.nvertices, mesh.z[-1] - mesh.z[0]
-    radius = np.linalg.norm(mesh.mesh.p[:2, mesh.skin[0, 0]])
+    radius = float(np.linalg.norm(mesh.mesh.p[:2, mesh.skin[0, 0]]))
     laid = lay(around(Mandrel(radius, radius)), ring_wrap(height, height=mesh.z.mean()), ns, nw)
     strip, X = Strip(ns, nw, offset=count), np.vstack([mesh.mesh.p.T, laid.X])
     nodes, weights = strip.stencil(laid.points.reshape(-1, 2))

@@ -23,7 +23,7 @@ def newton(
     Raises SolverError when the corrections stay above `tolerance` (mm).
     """
     u = np.zeros(basis.shape[0]) if start is None else start.copy()
-    corrections = []
+    corrections: list[float] = []
     while not corrections or corrections[-1] > tolerance:
         if len(corrections) == limit:
             raise SolverError(
@@ -44,10 +44,11 @@ def newton(
 
 def tangent_matrix(parts: Sequence[Part], values: Sequence[np.ndarray], n_dofs: int) -> csr_array:
     """The parts' tangents (n_dofs, n_dofs) from their triplet values."""
-    return sum(
+    tangents = (
         coo_array((v, (part.rows, part.cols)), shape=(n_dofs, n_dofs)).tocsr()
         for part, v in zip(parts, values, strict=True)
     )
+    return sum(tangents, csr_array((n_dofs, n_dofs)))
 
 
 def held(n_dofs: int, fixed: np.ndarray) -> csr_array:
