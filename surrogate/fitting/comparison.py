@@ -12,9 +12,11 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import permutations, product
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 from scipy import stats
 
 from surrogate.fitting.fit import Fit, q2, rmse
@@ -22,8 +24,9 @@ from surrogate.regressors.field import Field
 from surrogate.regressors.polynomial import Polynomial
 from surrogate.regressors.regression import Nested, nested
 
+Array = NDArray[np.float64]
 Fits = Mapping[str, Mapping[str, Fit]]
-Runs = tuple[np.ndarray, np.ndarray]
+Runs = tuple[Array, Array]
 
 #: Confidence levels at which intervals are checked on the test design.
 LEVELS = (0.5, 0.8, 0.9, 0.95, 0.99)
@@ -84,7 +87,7 @@ def best(table: xr.Dataset) -> dict[str, str]:
     }
 
 
-def _row(fit: Fit, test: Runs | None) -> tuple[dict[str, float], np.ndarray]:
+def _row(fit: Fit, test: Runs | None) -> tuple[dict[str, float], Array]:
     """Columns of one surrogate and output, and coverage at each level."""
     row = {
         "q2_cv": fit.q2,
@@ -101,7 +104,7 @@ def _row(fit: Fit, test: Runs | None) -> tuple[dict[str, float], np.ndarray]:
         return row, np.full(len(LEVELS), np.nan)
     coded, values = test
     predicted = fit.predict(coded)
-    covered = np.array([_coverage(fit, coded, values, level) for level in LEVELS])
+    covered = np.array([_coverage(*ends, values) for ends in fit.intervals(coded, LEVELS)])
     row |= {
         "q2_test": q2(values, predicted),
         "rmse_test": rmse(values, predicted),
@@ -118,9 +121,8 @@ def _predict_seconds(fit: Fit) -> float:
     return time.perf_counter() - start
 
 
-def _coverage(fit: Fit, coded, values, level: float) -> float:
+def _coverage(low: Array, high: Array, values: Array) -> float:
     """Share of values inside their intervals; NaN where there are no intervals."""
-    low, high = fit.interval(coded, level)
     known = np.isfinite(low) & np.isfinite(high)
     # Rounding of a value that is met exactly must not count as a miss.
     slack = 1e-12 * np.abs(values).max()
@@ -206,20 +208,20 @@ def _within(small: Fit, large: Fit) -> bool:
     )
 
 
-def _squared_errors(fit: Fit) -> np.ndarray:
+def _squared_errors(fit: Fit) -> Array:
     """(n,) squared left-out errors, averaged over a field's places."""
     errors = (fit.values - fit.left_out) ** 2
-    return errors.reshape(len(errors), -1).mean(axis=1)
+    return np.asarray(errors.reshape(len(errors), -1).mean(axis=1))
 
 
-def _scores(
-    fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray
-) -> tuple[np.ndarray, str, str]:
+def _scores(fits: Fits, output: str, q2_cv: Array, q2_test: Array) -> tuple[Array, str, str]:
     """Scores that decide on the best surrogate of an output, what they are, and why these."""
     learnt = [fits[name][output].coded if output in fits[name] else None for name in fits]
     runs = [0 if coded is None else len(coded) for coded in learnt]
     most = learnt[int(np.argmax(runs))]
-    same = np.array([coded is not None and np.array_equal(coded, most) for coded in learnt])
+    same = np.array(
+        [coded is not None and most is not None and np.array_equal(coded, most) for coded in learnt]
+    )
     able = np.isfinite(q2_cv)
     if able.any() and same[able].all():
         return q2_cv, "cross-validated Q2", ""
@@ -233,7 +235,7 @@ def _scores(
     )
 
 
-def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) -> dict:
+def _verdict(fits: Fits, output: str, q2_cv: Array, q2_test: Array) -> dict[str, Any]:
     """Best and second best surrogate of one output, the margin and what to make of it."""
     names = [name for name in fits if output in fits[name]]
     order = {name: k for k, name in enumerate(fits)}
@@ -245,7 +247,7 @@ def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) ->
         )
         or names
     )
-    verdict = {
+    verdict: dict[str, Any] = {
         "best": ranked[0],
         "runner_up": "",
         "margin": np.nan,
@@ -261,7 +263,7 @@ def _verdict(fits: Fits, output: str, q2_cv: np.ndarray, q2_test: np.ndarray) ->
     return verdict
 
 
-def _sentence(output: str, verdict: dict, score: float, how: str, why: str) -> str:
+def _sentence(output: str, verdict: dict[str, Any], score: float, how: str, why: str) -> str:
     if not np.isfinite(score):
         return (
             f"{output}: the surrogates cannot be ranked, because no run can be left out of the "
@@ -282,9 +284,17 @@ def _sentence(output: str, verdict: dict, score: float, how: str, why: str) -> s
     return f"{start} {second} {relation} ({lower}, p = {verdict['margin_p']:.2g})."
 
 
-def _dataset(surrogates, outputs, columns, coverage, verdicts) -> xr.Dataset:
+def _dataset(
+    surrogates: list[str],
+    outputs: list[str],
+    columns: Mapping[str, Array],
+    coverage: Array,
+    verdicts: list[dict[str, Any]],
+) -> xr.Dataset:
     dims = ("surrogate", "output")
-    variables = {name: (dims, columns[name], {"long_name": text}) for name, text in COLUMNS.items()}
+    variables: dict[str, Any] = {
+        name: (dims, columns[name], {"long_name": text}) for name, text in COLUMNS.items()
+    }
     variables["coverage"] = (
         (*dims, "level"),
         coverage,
@@ -299,7 +309,7 @@ def _dataset(surrogates, outputs, columns, coverage, verdicts) -> xr.Dataset:
     return xr.Dataset(variables, coords, {"best": _overall(surrogates, verdicts)})
 
 
-def _overall(surrogates: list[str], verdicts: list[dict]) -> str:
+def _overall(surrogates: list[str], verdicts: list[dict[str, Any]]) -> str:
     """Largest deciding Q2 from 0 up, averaged over outputs; the first output's best without any."""
     scores = np.array([verdict["scores"] for verdict in verdicts])
     if not np.isfinite(scores).any() or len(verdicts) == 1:

@@ -14,11 +14,13 @@ from __future__ import annotations
 import inspect
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 from sklearn.base import BaseEstimator, clone
 from sklearn.pipeline import Pipeline, make_pipeline
@@ -29,6 +31,9 @@ from surrogate.regressors import portable
 from surrogate.regressors.columns import columns_of, expand
 from surrogate.regressors.field import Field
 from surrogate.space.space import Space
+
+Array = NDArray[np.float64]
+Numbers = NDArray[np.intp]
 
 #: Points predicted at once, so that memory stays bounded for any number of them.
 CHUNK = 65_536
@@ -54,10 +59,10 @@ class Fit:
     output: str
     space: Space
     estimator: BaseEstimator
-    coded: np.ndarray
-    values: np.ndarray
-    folds: np.ndarray
-    left_out: np.ndarray
+    coded: Array
+    values: Array
+    folds: Numbers
+    left_out: Array
     seconds: float
 
     @property
@@ -76,38 +81,38 @@ class Fit:
         return _offers_std(self.estimator)
 
     @cached_property
-    def _errors(self) -> np.ndarray:
+    def _errors(self) -> Array:
         """Sizes of the left-out errors that exist, sorted along runs, shape (k, ...)."""
         errors = np.abs(self.values - self.left_out)
         known = np.isfinite(errors).reshape(len(errors), -1).all(axis=1)
         return np.sort(errors[known], axis=0)
 
-    def predict(self, coded, return_std: bool = False):
+    def predict(self, coded: ArrayLike, return_std: bool = False) -> Any:
         """Values (m, ...) at coded points (m, d), and their standard deviations if asked.
 
         Standard deviations are the surrogate's own; for one that has none, the
         root mean square of the left-out errors, the same at every point.
         """
-        coded = _points(coded, self.space)
+        points = _points(coded, self.space)
         if not return_std:
-            return _chunked(self.estimator.predict, coded, self.values.shape[1:])
+            return _chunked(self.estimator.predict, points, self.values.shape[1:])
         if self.offers_std:
             return tuple(
                 _chunked(
                     lambda x: np.stack(self.estimator.predict(x, return_std=True), 1),
-                    coded,
+                    points,
                     (2, *self.values.shape[1:]),
                 ).swapaxes(0, 1)
             )
-        mean = self.predict(coded)
+        mean = self.predict(points)
         return mean, np.broadcast_to(self._spread(), mean.shape)
 
-    def _spread(self) -> np.ndarray:
+    def _spread(self) -> Array:
         if not len(self._errors):
             return np.full(self.values.shape[1:], np.nan)
-        return np.sqrt((self._errors**2).mean(axis=0))
+        return np.asarray(np.sqrt((self._errors**2).mean(axis=0)))
 
-    def interval(self, coded, confidence: float = 0.95) -> tuple[np.ndarray, np.ndarray]:
+    def interval(self, coded: ArrayLike, confidence: float = 0.95) -> tuple[Array, Array]:
         """Lower and upper ends (m, ...) of prediction intervals at coded points (m, d).
 
         Own standard deviation: Student's t with the surrogate's degrees of freedom
@@ -116,24 +121,28 @@ class Fit:
         (Vovk 2015, cross-conformal; constant width); when k is too small for that,
         Student's t times their root mean square, times sqrt(1 + 1 / k).
         """
+        return self.intervals(coded, (confidence,))[0]
+
+    def intervals(self, coded: ArrayLike, levels: Sequence[float]) -> list[tuple[Array, Array]]:
+        """Ends of intervals as `interval` gives them, at several levels of confidence."""
         if self.offers_std:
             mean, std = self.predict(coded, return_std=True)
-            half = std * _quantile(self.estimator, confidence)
+            halves = [std * _quantile(self.estimator, level) for level in levels]
         else:
-            mean, half = self.predict(coded), self._half_width(confidence)
-        return mean - half, mean + half
+            mean, halves = self.predict(coded), [self._half_width(level) for level in levels]
+        return [(mean - half, mean + half) for half in halves]
 
-    def _half_width(self, confidence: float) -> np.ndarray:
+    def _half_width(self, confidence: float) -> Array:
         k = len(self._errors)
         rank = math.ceil(confidence * (k + 1))
         if rank <= k:
-            return self._errors[rank - 1]
+            return np.asarray(self._errors[rank - 1])
         if k < 2:
             return np.full(self.values.shape[1:], np.nan)
         quantile = stats.t.ppf(0.5 + confidence / 2.0, k - 1)
-        return quantile * math.sqrt(1.0 + 1.0 / k) * self._spread()
+        return np.asarray(quantile * math.sqrt(1.0 + 1.0 / k) * self._spread())
 
-    def portable(self) -> dict:
+    def portable(self) -> dict[str, Any]:
         """JSON-able document that evaluates without this package.
 
         The format is in `surrogate.regressors.portable`. Raises `FitError` for a
@@ -151,9 +160,9 @@ class Fit:
 
 def fit(
     space: Space,
-    coded,
-    values,
-    estimator,
+    coded: ArrayLike,
+    values: ArrayLike,
+    estimator: Any,
     *,
     surrogate: str = "surrogate",
     output: str = "output",
@@ -166,32 +175,32 @@ def fit(
     and every `random_state` that the estimator leaves open. Failed runs must be left
     out. Raises `FitError` for too few runs or what the estimator cannot digest.
     """
-    coded, values = _points(coded, space), np.asarray(values, dtype=float)
-    prepared = prepare(estimator, space, seed=seed, field=values.ndim > 1)
-    _check(space, coded, values, prepared, surrogate, output)
+    points, outputs = _points(coded, space), np.asarray(values, dtype=float)
+    prepared = prepare(estimator, space, seed=seed, field=outputs.ndim > 1)
+    _check(space, points, outputs, prepared, surrogate, output)
     start = time.perf_counter()
     try:
-        fitted = clone(prepared).fit(coded, values)
+        fitted = clone(prepared).fit(points, outputs)
     except (ValueError, np.linalg.LinAlgError) as error:
         raise FitError(
             f"surrogate '{surrogate}' cannot be fitted to '{output}': {error}"
         ) from error
     seconds = time.perf_counter() - start
-    groups = folds(len(coded), seed=seed)
+    groups = folds(len(points), seed=seed)
     return Fit(
         surrogate,
         output,
         space,
         fitted,
-        coded,
-        values,
+        points,
+        outputs,
         groups,
-        _left_out(fitted, prepared, coded, values, groups),
+        _left_out(fitted, prepared, points, outputs, groups),
         seconds,
     )
 
 
-def prepare(estimator, space: Space, *, seed: int = 0, field: bool = False):
+def prepare(estimator: Any, space: Space, *, seed: int = 0, field: bool = False) -> Any:
     """The estimator as `fit` uses it: unfitted, knowing space and seed, for scalars or fields."""
     ready = clone(estimator)
     options = ready.get_params(deep=True)
@@ -210,42 +219,44 @@ def prepare(estimator, space: Space, *, seed: int = 0, field: bool = False):
     return Field(ready) if field else ready
 
 
-def minimum_runs(estimator, space: Space) -> int:
+def minimum_runs(estimator: Any, space: Space) -> int:
     """Fewest runs that the estimator can be fitted to in this space."""
     offered = getattr(estimator, "minimum_runs", None)
-    return offered(space) if offered else 2
+    return int(offered(space)) if offered else 2
 
 
-def folds(runs: int, *, seed: int = 0) -> np.ndarray:
+def folds(runs: int, *, seed: int = 0) -> Numbers:
     """Fold number of each run (n,): one run each up to `LEAVE_ONE_OUT` runs, else ten folds."""
     if runs <= LEAVE_ONE_OUT:
         return np.arange(runs)
     return np.random.default_rng(seed).permutation(np.arange(runs) % FOLDS)
 
 
-def q2(values, predictions) -> float:
+def q2(values: ArrayLike, predictions: ArrayLike) -> float:
     """1 - sum of squared errors / sum of squares about the mean; at most 1.
 
     For values that do not vary: 1 when predicted exactly, NaN otherwise.
     """
-    values, errors = np.asarray(values), np.asarray(values) - np.asarray(predictions)
-    total = float(((values - values.mean(axis=0)) ** 2).sum())
+    truth = np.asarray(values, dtype=float)
+    errors = truth - np.asarray(predictions, dtype=float)
+    total = float(((truth - truth.mean(axis=0)) ** 2).sum())
     wrong = float((errors**2).sum())
-    negligible = 1e-24 * float((values**2).sum())
+    negligible = 1e-24 * float((truth**2).sum())
     if total <= negligible:
         return 1.0 if wrong <= negligible else np.nan
     return 1.0 - wrong / total
 
 
-def rmse(values, predictions) -> float:
+def rmse(values: ArrayLike, predictions: ArrayLike) -> float:
     """Root mean square of values - predictions."""
-    return float(np.sqrt(np.mean((np.asarray(values) - np.asarray(predictions)) ** 2)))
+    errors = np.asarray(values, dtype=float) - np.asarray(predictions, dtype=float)
+    return float(np.sqrt(np.mean(errors**2)))
 
 
-def _left_out(fitted, prepared, coded, values, groups) -> np.ndarray:
+def _left_out(fitted: Any, prepared: Any, coded: Array, values: Array, groups: Numbers) -> Array:
     """Predictions by fits without each fold: the estimator's closed form, or refits."""
     if hasattr(fitted, "leave_out"):
-        return fitted.leave_out(groups)
+        return np.asarray(fitted.leave_out(groups))
     refit = fitted.refitted if isinstance(fitted, Field) else None
     result = np.full(values.shape, np.nan)
     for group in np.unique(groups):
@@ -258,7 +269,9 @@ def _left_out(fitted, prepared, coded, values, groups) -> np.ndarray:
     return result
 
 
-def _check(space, coded, values, estimator, surrogate, output) -> None:
+def _check(
+    space: Space, coded: Array, values: Array, estimator: Any, surrogate: str, output: str
+) -> None:
     if len(coded) != len(values):
         raise FitError(f"{len(coded)} points but {len(values)} values of '{output}'")
     bad = int((~np.isfinite(values).all(axis=tuple(range(1, values.ndim)))).sum())
@@ -276,17 +289,17 @@ def _check(space, coded, values, estimator, surrogate, output) -> None:
         )
 
 
-def _points(coded, space: Space) -> np.ndarray:
-    coded = np.atleast_2d(np.asarray(coded, dtype=float))
-    if coded.ndim != 2 or coded.shape[1] != space.size:
+def _points(coded: ArrayLike, space: Space) -> Array:
+    points = np.atleast_2d(np.asarray(coded, dtype=float))
+    if points.ndim != 2 or points.shape[1] != space.size:
         raise FitError(
-            f"points of shape {coded.shape} do not fit {space.size} parameters; give "
+            f"points of shape {points.shape} do not fit {space.size} parameters; give "
             f"coded points (run, parameter) in the order {', '.join(space.names)}"
         )
-    return coded
+    return points
 
 
-def _offers_std(estimator) -> bool:
+def _offers_std(estimator: Any) -> bool:
     if isinstance(estimator, Pipeline):
         return _offers_std(estimator[-1])
     if isinstance(estimator, Field):
@@ -294,13 +307,13 @@ def _offers_std(estimator) -> bool:
     return "return_std" in inspect.signature(estimator.predict).parameters
 
 
-def _quantile(estimator, confidence: float) -> float:
+def _quantile(estimator: Any, confidence: float) -> float:
     freedom = getattr(estimator, "interval_freedom", None)
     law = stats.norm if freedom is None else stats.t(freedom) if freedom else None
     return float(law.ppf(0.5 + confidence / 2.0)) if law else np.nan
 
 
-def _chunked(function: Callable, coded: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+def _chunked(function: Callable[[Array], Array], coded: Array, shape: tuple[int, ...]) -> Array:
     """function(coded) of shape (m, *shape), computed for about `CHUNK` numbers at a time."""
     result = np.empty((len(coded), *shape))
     step = max(CHUNK // math.prod(shape), 256)

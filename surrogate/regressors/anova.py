@@ -17,9 +17,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from surrogate.errors import FitError
 from surrogate.space.space import Space
+
+Array = NDArray[np.float64]
+#: Nodes (m,) and weights (m,) of a quadrature.
+Rule = tuple[Array, Array]
 
 #: Lists of input numbers that count as one input each; they share no input.
 Groups = Sequence[Sequence[int]]
@@ -34,14 +39,14 @@ class SobolIndices:
     function, whose variance is 0.
     """
 
-    first_order: np.ndarray
-    total: np.ndarray
-    second_order: np.ndarray
+    first_order: Array
+    total: Array
+    second_order: Array
     variance: float
     mean: float
 
 
-def quadratures(space: Space | None, size: int, order: int) -> list[tuple]:
+def quadratures(space: Space | None, size: int, order: int) -> list[Rule]:
     """Nodes (m,) and weights (m,) of each input's law, for independent inputs.
 
     Without a space, uniform on [-1, 1]. Raises `FitError` when inputs are correlated.
@@ -54,7 +59,7 @@ def quadratures(space: Space | None, size: int, order: int) -> list[tuple]:
     return marginals(space, size, order)
 
 
-def marginals(space: Space | None, size: int, order: int) -> list[tuple]:
+def marginals(space: Space | None, size: int, order: int) -> list[Rule]:
     """Nodes (m,) and weights (m,) of each input's law, whatever joins the inputs."""
     if space is None:
         nodes, weights = np.polynomial.legendre.leggauss(order)
@@ -62,7 +67,12 @@ def marginals(space: Space | None, size: int, order: int) -> list[tuple]:
     return [parameter.quadrature(order) for parameter in space.parameters]
 
 
-def sobol_indices(coefficients, factors, weights, groups: Groups | None = None) -> SobolIndices:
+def sobol_indices(
+    coefficients: ArrayLike,
+    factors: Sequence[Array],
+    weights: Sequence[Array],
+    groups: Groups | None = None,
+) -> SobolIndices:
     """Indices of f = sum_t c_t prod_j g_tj(x_j), of each input or of groups of inputs.
 
     coefficients  (T,)
@@ -73,7 +83,10 @@ def sobol_indices(coefficients, factors, weights, groups: Groups | None = None) 
 
 
 def sobol_indices_of_many(
-    coefficients, factors, weights, groups: Groups | None = None
+    coefficients: ArrayLike,
+    factors: Sequence[Array],
+    weights: Sequence[Array],
+    groups: Groups | None = None,
 ) -> list[SobolIndices]:
     """Indices of functions with the same factors: coefficients (T, functions).
 
@@ -111,8 +124,8 @@ def shifted(indices: SobolIndices, constant: float) -> SobolIndices:
 
 
 def _low_order(
-    c: np.ndarray, means: np.ndarray, centred: list[np.ndarray], weights: list[np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
+    c: Array, means: Array, centred: list[Array], weights: Sequence[Array]
+) -> tuple[Array, Array]:
     """Var E[f | x_i] (d, functions) and the parts of pairs (d, d, functions)."""
     size = len(centred)
     varies = np.array([(g != g[:, :1]).any(axis=1) for g in centred])
@@ -133,7 +146,7 @@ def _low_order(
     return alone, pairs
 
 
-def _product_of_others(rows: np.ndarray) -> np.ndarray:
+def _product_of_others(rows: Array) -> Array:
     """For each row the product of all other rows, (d, T); no division, as rows may be zero."""
     before, after = np.ones_like(rows), np.ones_like(rows)
     np.cumprod(rows[:-1], axis=0, out=before[1:])
@@ -141,7 +154,9 @@ def _product_of_others(rows: np.ndarray) -> np.ndarray:
     return before * after
 
 
-def _of_groups(c, means, centred, weights, groups: Groups):
+def _of_groups(
+    c: Array, means: Array, centred: Sequence[Array], weights: Sequence[Array], groups: Groups
+) -> tuple[Array, Array, Array, Array]:
     """Var f (functions,), Var E[f | x_G], E[Var(f | all but x_G)] (g, functions), pairs.
 
     The factors of a group are products, so its covariances and second moments follow from
@@ -165,7 +180,9 @@ def _of_groups(c, means, centred, weights, groups: Groups):
     return variance, *(np.maximum(part, 0.0) for part in (alone, unexplained, pairs))
 
 
-def _joined(inputs: Iterable[int], means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
+def _joined(
+    inputs: Iterable[int], means: Array, centred: Sequence[Array], weights: Sequence[Array]
+) -> tuple[Array, Array]:
     """Covariances and second moments (T, T) of the products of these inputs' factors."""
     count = means.shape[1]
     covariance, moments = np.zeros((count, count)), np.ones((count, count))
@@ -176,7 +193,9 @@ def _joined(inputs: Iterable[int], means, centred, weights) -> tuple[np.ndarray,
     return covariance, moments
 
 
-def _total_variances(c, means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
+def _total_variances(
+    c: Array, means: Array, centred: Sequence[Array], weights: Sequence[Array]
+) -> tuple[Array, Array]:
     """Var f (functions,) and E[Var(f | all but x_i)] (d, functions).
 
     With C_j the covariances (T, T) of the factors of input j and M_j = C_j + m_j m_j'
@@ -205,11 +224,13 @@ def _total_variances(c, means, centred, weights) -> tuple[np.ndarray, np.ndarray
     return _quadratic(everything, c), unexplained
 
 
-def _products(j: int, means, centred, weights) -> tuple[np.ndarray, np.ndarray]:
+def _products(
+    j: int, means: Array, centred: Sequence[Array], weights: Sequence[Array]
+) -> tuple[Array, Array]:
     """C_j and m_j m_j' of one input's factors, each (T, T)."""
     return (centred[j] * weights[j]) @ centred[j].T, np.outer(means[j], means[j])
 
 
-def _quadratic(matrix, c) -> np.ndarray:
+def _quadratic(matrix: Array, c: Array) -> Array:
     """c_k' matrix c_k for each column of c (T, functions)."""
-    return (c * (matrix @ c)).sum(axis=0).real
+    return np.asarray((c * (matrix @ c)).sum(axis=0).real)

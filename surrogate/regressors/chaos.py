@@ -9,13 +9,19 @@ choice it is too kind: on noisy runs it took as many terms as it was allowed.
 
 from __future__ import annotations
 
+from typing import Any, Self
+
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.regressors import anova, regression
 from surrogate.regressors.orthogonal import Basis, Index, basis, hyperbolic, products
+from surrogate.space.space import Space
+
+Array = NDArray[np.float64]
 
 #: Larger sets of candidate terms are not tried.
 CANDIDATES = 5000
@@ -41,33 +47,40 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
     on the folds of the choice, a share of the variance).
     """
 
-    def __init__(self, max_degree=10, hyperbolic=0.75, seed=0, space=None):
+    def __init__(
+        self,
+        max_degree: int = 10,
+        hyperbolic: float = 0.75,
+        seed: int = 0,
+        space: Space | None = None,
+    ) -> None:
         self.max_degree = max_degree
         self.hyperbolic = hyperbolic
         self.seed = seed
         self.space = space
 
-    def fit(self, X, y):
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
-        X, y = validate_data(self, X, y, y_numeric=True, ensure_min_samples=3)
+        points, outputs = validate_data(self, X, y, y_numeric=True, ensure_min_samples=3)
         if not (self.max_degree >= 1 and 0.0 < self.hyperbolic <= 1.0):
             raise ValueError(
                 f"max_degree {self.max_degree} must be 1 or more and hyperbolic "
                 f"{self.hyperbolic} above 0 and at most 1"
             )
-        parameters = self.space.parameters if self.space else [None] * X.shape[1]
+        parameters = self.space.parameters if self.space else [None] * points.shape[1]
         self.bases_ = [basis(parameter, self.max_degree) for parameter in parameters]
-        self.indices_, self.degree_, self.error_ = self._select(X, y)
+        self.indices_, self.degree_, self.error_ = self._select(points, outputs)
         names = [self._name(index) for index in self.indices_]
-        self.model_ = regression.least_squares(self._matrix(X), y, names)
+        self.model_ = regression.least_squares(self._matrix(points), outputs, names)
         self.coef_ = self.model_.coefficients
         return self
 
-    def _select(self, X, y) -> tuple[tuple[Index, ...], int, float]:
+    def _select(self, X: Array, y: Array) -> tuple[tuple[Index, ...], int, float]:
         """Terms, degree and error of the best expansion, over degrees from 1 up."""
         values = [one.values(X[:, i]) for i, one in enumerate(self.bases_)]
         folds = np.random.default_rng(self.seed).permutation(np.arange(len(y)) % FOLDS)
-        best, chosen, at = 1.0, ((),), 0
+        best, at = 1.0, 0
+        chosen: tuple[Index, ...] = ((),)
         for degree in range(1, self.max_degree + 1):
             indices = hyperbolic(_sizes(self.bases_), degree, self.hyperbolic)
             if len(indices) > CANDIDATES or degree > at + PATIENCE:
@@ -84,20 +97,20 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         names = self.space.names if self.space else [f"x{i + 1}" for i in range(len(self.bases_))]
         return ":".join(names[i] + (f"^{q}" if q > 1 else "") for i, q in index) or "1"
 
-    def _matrix(self, X) -> np.ndarray:
+    def _matrix(self, X: Array) -> Array:
         return products(self.indices_, [one.values(X[:, i]) for i, one in enumerate(self.bases_)])
 
-    def minimum_runs(self, space) -> int:
+    def minimum_runs(self, space: Space) -> int:
         """Runs that a fit needs: three, for a leave-one-out error."""
         return 3
 
-    def predict(self, X):
+    def predict(self, X: ArrayLike) -> Array:
         """Values (m,) at coded X (m, d)."""
         check_is_fitted(self)
-        X = validate_data(self, X, reset=False)
-        return self._matrix(X) @ self.coef_
+        points = validate_data(self, X, reset=False)
+        return np.asarray(self._matrix(points) @ self.coef_)
 
-    def leave_one_out(self) -> np.ndarray:
+    def leave_one_out(self) -> Array:
         """Predictions (n,) of each run without it, the choice of terms kept."""
         return self.model_.leave_one_out()
 
@@ -136,7 +149,7 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
             float(self.coef_[0]),
         )
 
-    def portable(self) -> dict:
+    def portable(self) -> dict[str, Any]:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
         return {
@@ -153,13 +166,13 @@ def _sizes(bases: list[Basis]) -> tuple[tuple[int, ...], ...]:
     return tuple(tuple(one.degree(number) for number in range(1, len(one))) for one in bases)
 
 
-def _described(one: Basis) -> dict:
+def _described(one: Basis) -> dict[str, Any]:
     if one.contrasts is not None:
         return {"levels": len(one.contrasts), "values": one.contrasts.tolist()}
     return {"alpha": one.alpha.tolist(), "beta": one.beta.tolist()}
 
 
-def pursue(matrix: np.ndarray, y: np.ndarray, steps: int) -> list[int]:
+def pursue(matrix: Array, y: Array, steps: int) -> list[int]:
     """Columns of matrix (n, p) in the order of orthogonal least squares, the first one first.
 
     Squared norms and products with y of all columns, less their parts along those taken,
@@ -185,7 +198,7 @@ def pursue(matrix: np.ndarray, y: np.ndarray, steps: int) -> list[int]:
     return taken
 
 
-def best_count(matrix: np.ndarray, y: np.ndarray, folds: np.ndarray) -> tuple[int, float]:
+def best_count(matrix: Array, y: Array, folds: NDArray[np.intp]) -> tuple[int, float]:
     """Number of terms with the smallest mean squared error on folds (n,), and that error.
 
     The error is a share of the variance. For each fold the terms are chosen without it.
@@ -206,9 +219,9 @@ def best_count(matrix: np.ndarray, y: np.ndarray, folds: np.ndarray) -> tuple[in
     return count, float(squares[count - 1]) / total if varies else 1.0
 
 
-def _path_errors(matrix: np.ndarray, y: np.ndarray, inside: np.ndarray) -> np.ndarray:
+def _path_errors(matrix: Array, y: Array, inside: NDArray[np.bool_]) -> Array:
     """Squared error (k,) on the fold `inside` of fits by the first 1, 2, ... k columns."""
     basis, upper = np.linalg.qr(matrix[~inside])
     rotated = linalg.solve_triangular(upper, matrix[inside].T, trans="T").T
     predicted = np.cumsum(rotated * (basis.T @ y[~inside]), axis=1)
-    return ((y[inside, None] - predicted) ** 2).sum(axis=0)
+    return np.asarray(((y[inside, None] - predicted) ** 2).sum(axis=0))

@@ -10,8 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from surrogate.space.space import Space
+from surrogate.space.space import Parameter, Space
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -26,13 +29,13 @@ class Column:
     level: int = 0
     levels: int = 0
 
-    def values(self, coded: np.ndarray) -> np.ndarray:
+    def values(self, coded: Array) -> Array:
         """Column values (n,) of this parameter's coded values (n,)."""
         if not self.levels:
             return coded
         last = self.levels - 1
         index = np.clip(np.rint((coded + 1.0) / 2.0 * last), 0, last)
-        return (index == self.level) * 1.0 - (index == 0)
+        return np.asarray((index == self.level) * 1.0 - (index == 0))
 
 
 def columns_of(space: Space | None, size: int) -> tuple[Column, ...]:
@@ -46,7 +49,7 @@ def columns_of(space: Space | None, size: int) -> tuple[Column, ...]:
     )
 
 
-def _of_parameter(j: int, parameter) -> list[Column]:
+def _of_parameter(j: int, parameter: Parameter) -> list[Column]:
     if not parameter.categorical:
         return [Column(j, parameter.name)]
     return [
@@ -56,7 +59,7 @@ def _of_parameter(j: int, parameter) -> list[Column]:
     ]
 
 
-def expand(coded: np.ndarray, of: tuple[Column, ...]) -> np.ndarray:
+def expand(coded: ArrayLike, of: tuple[Column, ...]) -> Array:
     """Numeric columns (n, c) of coded points (n, d)."""
-    coded = np.asarray(coded, dtype=float)
-    return np.column_stack([column.values(coded[:, column.parameter]) for column in of])
+    points = np.asarray(coded, dtype=float)
+    return np.column_stack([column.values(points[:, column.parameter]) for column in of])

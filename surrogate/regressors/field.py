@@ -7,10 +7,10 @@ learnt one by one (Guo and Hesthaven 2018, non-intrusive reduced basis).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from dataclasses import field as dataclass_field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
 
 from surrogate.regressors.anova import Groups, SobolIndices
+from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
 
@@ -28,9 +29,12 @@ Array = NDArray[np.float64]
 DRAWN = 0.99
 
 
-def _offered(name: str):
+def _offered(name: str) -> Callable[[Callable[..., Any]], Any]:
     """Available when the regressor of a mode offers the method `name`."""
-    return available_if(lambda field: hasattr(field.estimator, name))
+    offers: Callable[[Callable[..., Any]], Any] = available_if(
+        lambda field: hasattr(field.estimator, name)
+    )
+    return offers
 
 
 class Field(RegressorMixin, BaseEstimator):
@@ -45,11 +49,11 @@ class Field(RegressorMixin, BaseEstimator):
     `leading_` how many modes hold the share `DRAWN` of the variance.
     """
 
-    def __init__(self, estimator, explained=0.9999):
+    def __init__(self, estimator: Any, explained: float = 0.9999) -> None:
         self.estimator = estimator
         self.explained = explained
 
-    def fit(self, X, y):
+    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and fields y (n, ...)."""
         amplitudes = self._decompose(y)
         if hasattr(self.estimator, "fit_many") and amplitudes.size:
@@ -59,15 +63,15 @@ class Field(RegressorMixin, BaseEstimator):
         self.n_features_in_ = np.shape(X)[1]
         return self
 
-    def refitted(self, X, y) -> Field:
+    def refitted(self, X: ArrayLike, y: ArrayLike) -> Field:
         """A field fitted to some of the runs: modes of its own, regressors near these.
 
         A regressor that offers `refit_many` is given those of this field's modes to start from.
         """
         check_is_fitted(self)
         if not (hasattr(self.estimator, "refit_many") and self.estimators_):
-            return clone(self).fit(X, y)
-        other = clone(self)
+            return Field(clone(self.estimator), self.explained).fit(X, y)
+        other = Field(clone(self.estimator), self.explained)
         amplitudes = other._decompose(y)
         other.estimators_ = []
         if amplitudes.size:
@@ -75,10 +79,11 @@ class Field(RegressorMixin, BaseEstimator):
         other.n_features_in_ = np.shape(X)[1]
         return other
 
-    def _decompose(self, y) -> Array:
+    def _decompose(self, y: ArrayLike) -> Array:
         """Mean and modes of fields y (n, ...); returns the amplitudes (n, k)."""
-        flat = np.asarray(y, dtype=float).reshape(len(y), -1)
-        self.shape_ = np.shape(y)[1:]
+        fields = np.asarray(y, dtype=float)
+        flat = fields.reshape(len(fields), -1)
+        self.shape_ = fields.shape[1:]
         self.mean_ = flat.mean(axis=0)
         u, s, vt = np.linalg.svd(flat - self.mean_, full_matrices=False)
         energy = np.cumsum(s**2)
@@ -88,16 +93,17 @@ class Field(RegressorMixin, BaseEstimator):
         else:
             count = min(int(np.searchsorted(energy, self.explained * energy[-1])) + 1, len(s))
             self.truncation_error_ = float(np.sqrt(max(1.0 - energy[count - 1] / energy[-1], 0.0)))
-        self.modes_, self.found_ = vt[:count], {}
+        self.modes_ = vt[:count]
+        self.found_: dict[Any, list[SobolIndices]] = {}
         self.leading_ = min(int(np.searchsorted(energy, DRAWN * energy[-1])) + 1, count)
         left = (u[:, count:] * s[count:]) @ vt[count:]
         self.left_out_ = np.sqrt((left**2).mean(axis=0))
-        return u[:, :count] * s[:count]
+        return np.asarray(u[:, :count] * s[:count])
 
-    def minimum_runs(self, space) -> int:
+    def minimum_runs(self, space: Space) -> int:
         """Runs that the regressor of one mode needs."""
         offered = getattr(self.estimator, "minimum_runs", None)
-        return offered(space) if offered else 2
+        return int(offered(space)) if offered else 2
 
     @property
     def interval_freedom(self) -> int | None:
@@ -111,21 +117,21 @@ class Field(RegressorMixin, BaseEstimator):
             default=None,
         )
 
-    def predict(self, X, return_std=False):
+    def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
         """Fields (m, ...) at coded X (m, d).
 
         With `return_std` (when the modes' regressor offers it) their standard deviations,
         modes taken as independent and what they leave out included.
         """
         check_is_fitted(self)
-        amplitudes, spread = self._amplitudes(X, return_std)
-        fields = (self.mean_ + amplitudes @ self.modes_).reshape(len(X), *self.shape_)
+        amplitudes, spread = self._amplitudes(np.asarray(X), return_std)
+        fields = (self.mean_ + amplitudes @ self.modes_).reshape(-1, *self.shape_)
         if not return_std:
             return fields
         variance = spread**2 @ self.modes_**2 + self.left_out_**2
-        return fields, np.sqrt(variance).reshape(len(X), *self.shape_)
+        return fields, np.sqrt(variance).reshape(fields.shape)
 
-    def _amplitudes(self, X, return_std: bool) -> tuple[Array, Array]:
+    def _amplitudes(self, X: Array, return_std: bool) -> tuple[Array, Array]:
         """Amplitudes (m, k) of the modes and, if asked for, their standard deviations."""
         models = self.estimators_
         asked = {"return_std": True} if return_std else {}
@@ -180,13 +186,13 @@ class Field(RegressorMixin, BaseEstimator):
         )
 
     @_offered("posterior_draws")
-    def posterior_draws(self, size: int, seed=None) -> list[FieldDraw]:
+    def posterior_draws(self, size: int, seed: int | None = None) -> list[FieldDraw]:
         """Fields that are as plausible as the mean, given the runs; modes independent."""
         check_is_fitted(self)
         drawn = ModeDraws(self, size, np.random.SeedSequence(seed).spawn(len(self.estimators_)))
         return [FieldDraw(drawn, number) for number in range(size)]
 
-    def portable(self) -> dict:
+    def portable(self) -> dict[str, Any]:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
         return {
@@ -226,8 +232,10 @@ class FieldDraw:
         """Fields (m, ...) at coded X (m, d)."""
         field = self.drawn.field
         draws = [self.drawn.of(k, self.number) for k in range(len(field.modes_))]
-        values = np.array([draw.predict(X) for draw in draws]).reshape(-1, len(X)).T
-        return (field.mean_ + values @ field.modes_).reshape(len(X), *field.shape_)
+        values = np.array([draw.predict(X) for draw in draws]).reshape(len(draws), -1).T
+        if not draws:
+            values = np.zeros((len(np.asarray(X)), 0))
+        return np.asarray(field.mean_ + values @ field.modes_).reshape(-1, *field.shape_)
 
     def sobol_indices(self, groups: Groups | None = None) -> SobolIndices:
         """Indices of its variance summed over places; see `Field.sobol_indices`."""

@@ -129,11 +129,11 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
 
     def _take(self, X: ArrayLike, y: ArrayLike) -> None:
         """Runs in numeric columns and standardised values."""
-        X, y = validate_data(self, X, y, y_numeric=True, ensure_min_samples=2)
-        self._check(X)
-        self.columns_ = columns_of(self.space, X.shape[1])
-        self.points_ = expand(X, self.columns_)
-        self._standardise(y)
+        points, outputs = validate_data(self, X, y, y_numeric=True, ensure_min_samples=2)
+        self._check()
+        self.columns_ = columns_of(self.space, points.shape[1])
+        self.points_ = expand(points, self.columns_)
+        self._standardise(outputs)
 
     def _standardise(self, y: Array) -> None:
         self.offset_, self.scale_ = float(y.mean()), float(y.std())
@@ -141,10 +141,10 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             self.scale_ = 0.0
         self.standard_ = (y - self.offset_) / (self.scale_ or 1.0)
 
-    def _check(self, X: Array) -> None:
+    def _check(self) -> None:
         if self.trend not in TRENDS:
             raise ValueError(f"trend '{self.trend}': {nearest(self.trend, TRENDS)}")
-        if self.nugget != "estimate" and not (np.isreal(self.nugget) and self.nugget > 0):
+        if self.nugget != "estimate" and (isinstance(self.nugget, str) or not self.nugget > 0):
             raise ValueError(
                 f"nugget {self.nugget}: give 'estimate' or a number above 0, such as 1e-8"
             )

@@ -41,7 +41,7 @@ class Factored:
     def variance(self, y: Array, weights: Array) -> Array:
         """y' Q y / (n - q) of each output, the variance by restricted maximum likelihood."""
         n, q = self.F.shape
-        return np.maximum((y * weights).sum(axis=0) / (n - q), 1e-300)
+        return np.asarray(np.maximum((y * weights).sum(axis=0) / (n - q), 1e-300))
 
     @property
     def projected(self) -> Array:
@@ -66,7 +66,7 @@ def factored(matrix: Array, F: Array) -> Factored:
     """
     factor = linalg.cholesky(matrix.T, lower=True, overwrite_a=True, check_finite=False)
     solved = linalg.cho_solve((factor, True), F, check_finite=False)
-    return Factored(factor, F, solved, np.linalg.inv(F.T @ solved))
+    return Factored(factor, F, solved, np.asarray(np.linalg.inv(F.T @ solved), dtype=np.float64))
 
 
 def left_out_errors(factors: Factored, weights: Array, folds: NDArray[np.intp]) -> Array:

@@ -29,7 +29,7 @@ def guesses(bounds: Array, seed: int) -> Array:
     rows = qmc.Sobol(len(bounds), seed=seed).random(GUESSES)
     low, high = np.vstack([np.tile(np.log(LIKELY), (len(bounds) - 1, 1)), bounds[-1:]]).T
     middling = np.append(np.full(len(bounds) - 1, np.log(2.0)), np.log(1e-4))
-    return np.clip(np.vstack([middling, low + rows * (high - low)]), *bounds.T)
+    return np.asarray(np.clip(np.vstack([middling, low + rows * (high - low)]), *bounds.T))
 
 
 class Search:
@@ -59,7 +59,7 @@ class Search:
                 (output,),
                 jac=True,
                 method="L-BFGS-B",
-                bounds=self.bounds,
+                bounds=optimize.Bounds(*self.bounds.T),
                 options={"maxiter": 200, "ftol": end},
             )
 

@@ -88,7 +88,7 @@ class Evaluated:
         """-2 log posterior of each output, (outputs,)."""
         n, q = self.posterior.F.shape
         prior = float(self._prior @ self._prior)
-        return (n - q) * np.log(self.variance) + self.factors.log_determinant + prior
+        return np.asarray((n - q) * np.log(self.variance) + self.factors.log_determinant + prior)
 
     def gradient(self, output: int) -> Array:
         """Derivatives (c + 1,) of one output's -2 log posterior."""

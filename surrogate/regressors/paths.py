@@ -16,12 +16,15 @@ smooth process their spread was wrong by factors.)
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from surrogate.regressors import anova, expansion
+from surrogate.regressors.kriging import Factored
 from surrogate.regressors.matern import correlation, weighted_sum
+from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
 
@@ -32,6 +35,41 @@ QUADRATURE = 48
 RESOLVED = 1e-11
 #: Points whose eigenfunctions are evaluated at once.
 STEP = 4096
+
+
+class Process(Protocol):
+    """What a draw needs of a fitted `GaussianProcess`."""
+
+    space: Space | None
+    n_features_in_: int
+    points_: Array
+    standard_: Array
+    lengths_: Array
+    nugget_: float
+    offset_: float
+    scale_: float
+    weights_: Array
+    trend_: Array
+    factors_: Factored
+
+    @property
+    def interval_freedom(self) -> int:
+        """Degrees of freedom of its predictions."""
+
+    def expanded(self, X: ArrayLike) -> Array:
+        """Numeric columns (m, c) of coded points (m, d)."""
+
+    def trend_columns(self, points: Array) -> Array:
+        """F (m, q) at numeric columns."""
+
+    def own_columns(self, parameter: int, nodes: Array) -> tuple[list[int], Array]:
+        """Numbers of one parameter's columns, and their values (m, own) at its nodes (m,)."""
+
+    def factor(self, parameter: int, nodes: Array) -> Array:
+        """Part of each term (n + q, m) that depends on one parameter."""
+
+    def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
+        """Indices of its mean."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,15 +100,15 @@ class Paths:
     found           indices of all paths, by the groups that they were asked for
     """
 
-    process: object
+    process: Process
     eigenfunctions: list[Eigenfunctions]
-    numbers: Array
+    numbers: NDArray[np.intp]
     waves: Array
     weights: Array
     trend: Array
-    found: dict = field(default_factory=dict, repr=False)
+    found: dict[Any, list[anova.SobolIndices]] = field(default_factory=dict, repr=False)
 
-    def predict(self, X, which) -> Array:
+    def predict(self, X: ArrayLike, which: int | slice) -> Array:
         """Values (m,) of path number `which`, or (m, k) of a slice of them, at coded X (m, d)."""
         one = self.process
         points = one.expanded(X)
@@ -81,7 +119,7 @@ class Paths:
             values[part] += (
                 _terms(self.eigenfunctions, self.numbers, points[part]) @ self.waves[:, which]
             )
-        return one.offset_ + one.scale_ * values
+        return np.asarray(one.offset_ + one.scale_ * values)
 
     def indices(self, groups: anova.Groups | None = None) -> list[anova.SobolIndices]:
         """Exact Sobol' indices of every path, of inputs or groups; computed once."""
@@ -119,7 +157,8 @@ class Paths:
         """
         one = self.process
         rules = anova.quadratures(one.space, one.n_features_in_, QUADRATURE)
-        means, projections = np.empty(self.numbers.shape), np.float64(1.0)
+        means = np.empty(self.numbers.shape)
+        projections: Array = np.ones((1, len(self.numbers)))
         for j, (of, (nodes, weights)) in enumerate(zip(self.eigenfunctions, rules, strict=True)):
             own = of.values(one.own_columns(j, nodes)[1])[:, self.numbers[:, j]] * weights[:, None]
             means[:, j] = own.sum(axis=0)
@@ -134,7 +173,7 @@ class Draw:
     paths: Paths
     number: int
 
-    def predict(self, X) -> Array:
+    def predict(self, X: ArrayLike) -> Array:
         """Values (m,) at coded X (m, d)."""
         return self.paths.predict(X, self.number)
 
@@ -143,7 +182,7 @@ class Draw:
         return self.paths.indices(groups)[self.number]
 
 
-def draw(process, size: int, seed) -> Paths:
+def draw(process: Process, size: int, seed: Any) -> Paths:
     """Draw `size` functions of a fitted `GaussianProcess`; seed as for `default_rng`.
 
     Trend coefficients and process variance are drawn too; lengths and nugget are kept.
@@ -163,13 +202,13 @@ def draw(process, size: int, seed) -> Paths:
     return Paths(process, eigenfunctions, numbers, waves, weights, trend)
 
 
-def _eigenfunctions(process) -> list[Eigenfunctions]:
+def _eigenfunctions(process: Process) -> list[Eigenfunctions]:
     """Nystrom eigenfunctions of each input, largest eigenvalue first."""
     rules = anova.marginals(process.space, process.n_features_in_, QUADRATURE)
     return [_of_input(process, j, *rule) for j, rule in enumerate(rules)]
 
 
-def _of_input(process, parameter: int, nodes: Array, weights: Array) -> Eigenfunctions:
+def _of_input(process: Process, parameter: int, nodes: Array, weights: Array) -> Eigenfunctions:
     own, values = process.own_columns(parameter, nodes)
     lengths, root = process.lengths_[own], np.sqrt(weights)
     eigenvalues, vectors = np.linalg.eigh(
@@ -180,12 +219,12 @@ def _of_input(process, parameter: int, nodes: Array, weights: Array) -> Eigenfun
     return Eigenfunctions(own, values, lengths, extension, eigenvalues[good])
 
 
-def _largest(eigenvalues: list[Array]) -> tuple[Array, Array]:
+def _largest(eigenvalues: list[Array]) -> tuple[NDArray[np.intp], Array]:
     """The `TERMS` largest products of one eigenvalue of each input: numbers (terms, d), values.
 
     Input by input: the first inputs' part of a largest product is itself among the largest.
     """
-    numbers, values = np.empty((1, 0), dtype=int), np.ones(1)
+    numbers, values = np.empty((1, 0), dtype=np.intp), np.ones(1)
     for own in eigenvalues:
         products = np.multiply.outer(values, own).ravel()
         chosen = _order_of_largest(products)
@@ -203,7 +242,7 @@ def _order_of_largest(values: Array) -> NDArray[np.intp]:
     return few[np.argsort(-values[few], kind="stable")[:TERMS]]
 
 
-def _terms(eigenfunctions: list[Eigenfunctions], numbers: Array, points: Array) -> Array:
+def _terms(eigenfunctions: list[Eigenfunctions], numbers: NDArray[np.intp], points: Array) -> Array:
     """Products (k, terms) of eigenfunctions at column values (k, c)."""
     result = np.ones((len(points), len(numbers)))
     for j, of in enumerate(eigenfunctions):

@@ -20,6 +20,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.regressors import anova, portable, regression
 from surrogate.regressors.columns import Column, columns_of, expand
+from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
 
@@ -72,23 +73,27 @@ class TermRegressor(RegressorMixin, BaseEstimator):
     Terms that the runs cannot tell apart from lower ones get coefficient 0.
     """
 
-    def __init__(self, space=None):
+    def __init__(self, space: Space | None = None) -> None:
         self.space = space
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
-        matrix, y = self._matrix(X, y)
-        self._set(regression.least_squares(matrix, y, self._names()))
+        matrix, outputs = self._matrix(X, y)
+        self._set(regression.least_squares(matrix, outputs, self._names()))
         return self
 
     def _matrix(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
         """Values (n, p) of the terms that are selected for y (n,), and y."""
-        X, y = validate_data(self, X, y, y_numeric=True)
-        self.columns_ = columns_of(self.space, X.shape[1])
-        self.points_ = X
-        values = expand(X, self.columns_)
-        self.terms_ = self.select(values, y)
-        return design_matrix(self.terms_, values), y
+        points, outputs = validate_data(self, X, y, y_numeric=True)
+        self.columns_ = columns_of(self.space, points.shape[1])
+        self.points_ = points
+        values = expand(points, self.columns_)
+        self.terms_ = self.select(values, outputs)
+        return design_matrix(self.terms_, values), outputs
+
+    def select(self, values: Array, y: Array) -> list[Term]:
+        """Terms that are fitted, given column values (n, c) and y (n,)."""
+        raise NotImplementedError(f"{type(self).__name__} does not say which terms it takes")
 
     def _names(self) -> list[str]:
         return [term_name(term, self.columns_) for term in self.terms_]
@@ -96,13 +101,13 @@ class TermRegressor(RegressorMixin, BaseEstimator):
     def _set(self, model: regression.LeastSquares) -> None:
         self.model_, self.coef_ = model, model.coefficients
 
-    def rows(self, X) -> Array:
+    def rows(self, X: ArrayLike) -> Array:
         """Values (m, p) of the terms at coded points (m, d)."""
         check_is_fitted(self)
-        X = validate_data(self, X, reset=False)
-        return design_matrix(self.terms_, expand(X, self.columns_))
+        points = validate_data(self, X, reset=False)
+        return design_matrix(self.terms_, expand(points, self.columns_))
 
-    def predict(self, X):
+    def predict(self, X: ArrayLike) -> Any:
         """Values (m,) at coded X (m, d)."""
         return self.rows(X) @ self.coef_
 
@@ -136,7 +141,7 @@ class TermRegressor(RegressorMixin, BaseEstimator):
         points[:, parameter] = nodes
         return design_matrix(own, expand(points, of)).T
 
-    def portable(self) -> dict:
+    def portable(self) -> dict[str, Any]:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
         return {
@@ -162,7 +167,7 @@ class Polynomial(TermRegressor):
         """All terms, without regard to column values (n, c) and y (n,)."""
         return self.choose_terms(self.columns_)
 
-    def minimum_runs(self, space) -> int:
+    def minimum_runs(self, space: Space) -> int:
         """Runs that a fit needs: one for each term."""
         return len(self.choose_terms(columns_of(space, space.size)))
 
@@ -196,7 +201,7 @@ class Polynomial(TermRegressor):
         """Degrees of freedom of the t distribution of prediction intervals."""
         return self.model_.freedom
 
-    def leave_out(self, folds) -> Array:
+    def leave_out(self, folds: ArrayLike) -> Array:
         """Predictions (n,) of each run by the fit without its fold (n,); exact."""
         return self.model_.leave_out(np.asarray(folds))
 

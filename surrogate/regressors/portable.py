@@ -27,6 +27,7 @@ model, by "kind":
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from surrogate.errors import FitError
 from surrogate.regressors.columns import Column
@@ -36,7 +37,7 @@ FORMAT = "surrogate-studies portable surrogate"
 VERSION = 1
 
 
-def describe(space: Space, model: dict, *, surrogate: str, output: str) -> dict:
+def describe(space: Space, model: dict[str, Any], *, surrogate: str, output: str) -> dict[str, Any]:
     """The whole document of one output's surrogate."""
     return {
         "format": FORMAT,
@@ -48,7 +49,7 @@ def describe(space: Space, model: dict, *, surrogate: str, output: str) -> dict:
     }
 
 
-def described_columns(of: tuple[Column, ...]) -> list[dict]:
+def described_columns(of: tuple[Column, ...]) -> list[dict[str, Any]]:
     """Columns as the module's first lines describe them."""
     return [
         {"input": column.parameter, "level": column.level, "levels": column.levels}
@@ -58,17 +59,17 @@ def described_columns(of: tuple[Column, ...]) -> list[dict]:
     ]
 
 
-def _input(parameter: Parameter) -> dict:
+def _input(parameter: Parameter) -> dict[str, Any]:
     return {"name": parameter.name, "unit": parameter.unit, "coding": _coding(parameter)}
 
 
-def _coding(parameter: Parameter) -> dict:
+def _coding(parameter: Parameter) -> dict[str, Any]:
     if parameter.categorical:
         return {"kind": "levels", "levels": list(parameter.levels)}
-    low, high = parameter.distribution.support
+    low, high = parameter.law.support
     if parameter.bounded:
         return {"kind": "range", "low": low, "high": high}
-    words = dict(parameter.distribution.words)
+    words = dict(parameter.law.words)
     law = words["distribution"]
     if law == "normal" and "range" not in words:
         return {"kind": "normal", "mean": words["mean"], "std": words["std"]}
@@ -76,6 +77,6 @@ def _coding(parameter: Parameter) -> dict:
         sigma = math.sqrt(math.log1p((words["std"] / words["mean"]) ** 2))
         return {"kind": "lognormal", "mu": math.log(words["mean"]) - sigma**2 / 2.0, "sigma": sigma}
     raise FitError(
-        f"{parameter.name}: a surrogate of an unbounded {parameter.distribution} input "
+        f"{parameter.name}: a surrogate of an unbounded {parameter.law} input "
         "cannot be exported; give it a range [smallest, largest]"
     )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,6 +20,7 @@ from scipy import linalg, stats
 from surrogate.errors import FitError
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 #: A column whose part outside the earlier ones is smaller than this (relative) is aliased.
 RANK_TOLERANCE = 1e-7
@@ -47,7 +49,7 @@ class LeastSquares:
     names: tuple[str, ...]
     matrix: Array
     y: Array
-    kept: Array
+    kept: Mask
     coefficients: Array
     alias: Array
     basis: Array
@@ -61,7 +63,7 @@ class LeastSquares:
     @property
     def freedom(self) -> int:
         """Residual degrees of freedom n - r."""
-        return len(self.y) - self.basis.shape[1]
+        return len(self.y) - int(self.basis.shape[1])
 
     @property
     def sse(self) -> float:
@@ -81,10 +83,10 @@ class LeastSquares:
     @property
     def leverage(self) -> Array:
         """Diagonal of X (X'X)^-1 X', shape (n,)."""
-        return (self.basis**2).sum(axis=1)
+        return np.asarray((self.basis**2).sum(axis=1))
 
     @property
-    def estimable(self) -> Array:
+    def estimable(self) -> Mask:
         """(p,) True where the runs determine the coefficient, whatever the other terms are."""
         result = self.kept.copy()
         result[self.kept] = ~(np.abs(self.alias) > 1e-8).any(axis=1)
@@ -117,7 +119,7 @@ class LeastSquares:
 
     def spread(self, rows: Array) -> Array:
         """sqrt(1 + x' (X'X)^-1 x) (m,) of design rows x (m, p)."""
-        return np.sqrt(1.0 + ((rows[:, self.kept] @ self.inverse) ** 2).sum(axis=1))
+        return np.asarray(np.sqrt(1.0 + ((rows[:, self.kept] @ self.inverse) ** 2).sum(axis=1)))
 
 
 def _without(basis: Array, residuals: Array) -> Array | None:
@@ -129,7 +131,7 @@ def _without(basis: Array, residuals: Array) -> Array | None:
     if runs <= terms:
         rest = np.eye(runs) - basis @ basis.T
         regular = np.linalg.eigvalsh(rest)[0] > LEVERAGE_TOLERANCE
-        return np.linalg.solve(rest, residuals) if regular else None
+        return np.asarray(np.linalg.solve(rest, residuals), np.float64) if regular else None
     rest = np.eye(terms) - basis.T @ basis
     if np.linalg.eigvalsh(rest)[0] <= LEVERAGE_TOLERANCE:
         return None
@@ -164,7 +166,7 @@ def least_squares_of_many(
     ]
 
 
-def _independent(matrix: Array) -> Array:
+def _independent(matrix: Array) -> Mask:
     """(p,) which columns are not combinations of earlier ones (Gram-Schmidt, done twice)."""
     n, p = matrix.shape
     basis = np.zeros((n, min(n, p)))
@@ -184,7 +186,11 @@ def _independent(matrix: Array) -> Array:
 
 
 def table(
-    model: LeastSquares, points=None, *, confidence: float = 0.95, deterministic: bool = False
+    model: LeastSquares,
+    points: ArrayLike | None = None,
+    *,
+    confidence: float = 0.95,
+    deterministic: bool = False,
 ) -> xr.Dataset:
     """The regression table of a fit.
 
@@ -235,10 +241,10 @@ def _terms(model: LeastSquares, confidence: float) -> dict[str, Array]:
 
 
 def _student(confidence: float, freedom: int) -> float:
-    return stats.t.ppf(0.5 + confidence / 2.0, freedom) if freedom else np.nan
+    return float(stats.t.ppf(0.5 + confidence / 2.0, freedom)) if freedom else np.nan
 
 
-def _tail(law, value, *freedom, sides: int = 1):
+def _tail(law: Any, value: Any, *freedom: int, sides: int = 1) -> Any:
     """Probability above `value`; NaN where a number of degrees of freedom is zero."""
     return sides * law.sf(value, *freedom) if all(freedom) else np.nan * value
 
@@ -274,7 +280,7 @@ def _aicc(model: LeastSquares) -> float:
     n, k = len(model.y), model.basis.shape[1] + 1
     if n - k - 1 <= 0 or model.sse <= 0.0:
         return np.nan
-    return n * (np.log(2.0 * np.pi * model.sse / n) + 1.0) + 2.0 * k * n / (n - k - 1)
+    return float(n * (np.log(2.0 * np.pi * model.sse / n) + 1.0) + 2.0 * k * n / (n - k - 1))
 
 
 def _runs(model: LeastSquares) -> dict[str, Array]:

@@ -12,6 +12,7 @@ from itertools import chain
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 from scipy import linalg
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.linear_model import LassoLarsCV
@@ -26,6 +27,7 @@ from surrogate.regressors.polynomial import (
     linear_terms,
     quadratic_terms,
 )
+from surrogate.space.space import Space
 
 CANDIDATES = {
     "linear": linear_terms,
@@ -39,12 +41,16 @@ SELECTED = (
 
 #: Terms that enter or leave together are those of the same parameters and powers.
 Group = tuple[tuple[int, int], ...]
+Terms = dict[Group, list[Term]]
+Chosen = frozenset[Group]
+
+Array = NDArray[np.float64]
 
 
 class SelectedPolynomial(TermRegressor):
     """A polynomial whose terms `select` takes of those of `order`."""
 
-    def __init__(self, order="quadratic", space=None):
+    def __init__(self, order: str = "quadratic", space: Space | None = None) -> None:
         self.order = order
         self.space = space
 
@@ -54,7 +60,7 @@ class SelectedPolynomial(TermRegressor):
             raise ValueError(f"order '{self.order}': {nearest(self.order, CANDIDATES)}")
         return CANDIDATES[self.order](self.columns_)
 
-    def minimum_runs(self, space) -> int:
+    def minimum_runs(self, space: Space) -> int:
         """Runs that a fit needs: five, to choose at all."""
         return 5
 
@@ -77,11 +83,13 @@ class Stepwise(SelectedPolynomial):
     Columns of one categorical parameter enter and leave together.
     """
 
-    def __init__(self, order="quadratic", heredity=True, space=None):
+    def __init__(
+        self, order: str = "quadratic", heredity: bool = True, space: Space | None = None
+    ) -> None:
         super().__init__(order, space)
         self.heredity = heredity
 
-    def select(self, values: np.ndarray, y: np.ndarray) -> list[Term]:
+    def select(self, values: Array, y: Array) -> list[Term]:
         """Terms at which no single addition or removal lowers the criterion."""
         groups = self._groups()
         columns = {group: design_matrix(terms, values) for group, terms in groups.items()}
@@ -102,14 +110,14 @@ class Stepwise(SelectedPolynomial):
             )
             best = scores[chosen]
 
-    def _groups(self) -> dict[Group, list[Term]]:
-        groups: dict[Group, list[Term]] = {}
+    def _groups(self) -> Terms:
+        groups: Terms = {}
         for term in self.candidates():
             key = tuple((self.columns_[j].parameter, power) for j, power in term)
             groups.setdefault(key, []).append(term)
         return groups
 
-    def _neighbours(self, groups, chosen: frozenset) -> list[frozenset]:
+    def _neighbours(self, groups: Terms, chosen: Chosen) -> list[Chosen]:
         """Sets one addition or removal away; the constant always stays.
 
         With heredity an addition brings its missing main effects along.
@@ -128,15 +136,15 @@ def _parents(group: Group) -> set[Group]:
     return {((parameter, 1),) for parameter, _ in group}
 
 
-def _hereditary(chosen: frozenset) -> bool:
+def _hereditary(chosen: Chosen) -> bool:
     return all(_parents(group) <= chosen for group in chosen)
 
 
-def _terms(groups, chosen: frozenset) -> list[Term]:
+def _terms(groups: Terms, chosen: Chosen) -> list[Term]:
     return list(chain.from_iterable(terms for group, terms in groups.items() if group in chosen))
 
 
-def _criterion(columns: dict[Group, np.ndarray], chosen, y) -> float:
+def _criterion(columns: dict[Group, Array], chosen: Chosen, y: Array) -> float:
     """AICc of a set of groups; infinite without a residual degree of freedom to spare.
 
     A fit exact to rounding counts as such, so that only fewer terms can improve on it.
@@ -149,7 +157,7 @@ def _criterion(columns: dict[Group, np.ndarray], chosen, y) -> float:
     solution = linalg.lstsq(matrix, y, lapack_driver="gelsy", check_finite=False)[0]
     residual = y - matrix @ solution
     sse = max(float(residual @ residual), 1e-26 * float(y @ y), 1e-300)
-    return n * np.log(sse / n) + 2.0 * k * n / (n - k - 1)
+    return float(n * np.log(sse / n) + 2.0 * k * n / (n - k - 1))
 
 
 class Lasso(SelectedPolynomial):
@@ -160,11 +168,11 @@ class Lasso(SelectedPolynomial):
     space  as for `Polynomial`
     """
 
-    def __init__(self, order="quadratic", seed=0, space=None):
+    def __init__(self, order: str = "quadratic", seed: int = 0, space: Space | None = None) -> None:
         super().__init__(order, space)
         self.seed = seed
 
-    def select(self, values: np.ndarray, y: np.ndarray) -> list[Term]:
+    def select(self, values: Array, y: Array) -> list[Term]:
         """The constant and the terms with a coefficient at the penalty of least error."""
         terms = self.candidates()
         matrix = design_matrix(terms[1:], values)
@@ -176,10 +184,10 @@ class Lasso(SelectedPolynomial):
         kept = np.abs(self._penalised(scaled, (y - y.mean()) / y.std())) > 0.0
         return [terms[0], *(term for term, keep in zip(terms[1:], kept, strict=True) if keep)]
 
-    def _penalised(self, matrix: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def _penalised(self, matrix: Array, y: Array) -> Array:
         """Coefficients (p,) of the cross-validated lasso."""
         model = LassoLarsCV(cv=KFold(5, shuffle=True, random_state=self.seed), max_iter=300)
         with warnings.catch_warnings():
             # The path may stop at terms that the runs cannot tell apart: no more are wanted.
             warnings.simplefilter("ignore", ConvergenceWarning)
-            return model.fit(matrix, y).coef_
+            return np.asarray(model.fit(matrix, y).coef_)
