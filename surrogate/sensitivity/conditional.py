@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
+from surrogate.estimator import Array
 from surrogate.space.space import Space
 
 
@@ -22,22 +23,22 @@ class Pairs:
     """
 
     space: Space
-    scores: np.ndarray
-    fresh: np.ndarray
+    scores: Array
+    fresh: Array
 
     @classmethod
-    def of(cls, space: Space, u: np.ndarray) -> Pairs:
+    def of(cls, space: Space, u: Array) -> Pairs:
         """From uniform numbers u (run, 2 parameters)."""
         normal = special.ndtri(u)
         d = space.size
         root = np.linalg.cholesky(_correlation(space))
         return cls(space, normal[:, :d] @ root.T, normal[:, d:])
 
-    def points(self) -> np.ndarray:
+    def points(self) -> Array:
         """Coded points X (run, parameter)."""
         return self._coded(self.scores)
 
-    def partners(self, redrawn: tuple[int, ...]) -> np.ndarray:
+    def partners(self, redrawn: tuple[int, ...]) -> Array:
         """Coded points X' (run, parameter) with the inputs numbered `redrawn` drawn anew."""
         R, inside = _correlation(self.space), list(redrawn)
         outside = [j for j in range(self.space.size) if j not in redrawn]
@@ -49,9 +50,9 @@ class Pairs:
         )
         return self._coded(moved)
 
-    def _coded(self, scores: np.ndarray) -> np.ndarray:
+    def _coded(self, scores: Array) -> Array:
         return Space(self.space.parameters).quantile(special.ndtr(scores))
 
 
-def _correlation(space: Space) -> np.ndarray:
+def _correlation(space: Space) -> Array:
     return np.eye(space.size) if space.correlation is None else np.asarray(space.correlation)

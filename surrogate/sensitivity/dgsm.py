@@ -7,21 +7,24 @@ import xarray as xr
 from SALib.analyze import dgsm as analysis
 
 from surrogate.errors import StudyError
-from surrogate.sensitivity.model import Model, model, require_at_least, rests
+from surrogate.estimator import Array
+from surrogate.sensitivity.independence import needs_independent
+from surrogate.sensitivity.model import Analysed, Model, Seed, model, require_at_least, rests
 from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
-from surrogate.sensitivity.unit_cube import Method, measured, problem
+from surrogate.sensitivity.unit_cube import Measures, Method, measured, problem
 from surrogate.space.space import Space
 
 #: Step of the finite differences, in probability.
 STEP = 1e-5
 
 
+@needs_independent
 def dgsm(
-    fit,
+    fit: Analysed,
     space: Space,
     *,
-    seed=0,
+    seed: Seed = 0,
     confidence: float = 0.95,
     samples: int = 512,
     replicates: int = 8,
@@ -41,12 +44,12 @@ def dgsm(
     _require_derivatives(one)
     cube = problem(space)
 
-    def sample(seed: int) -> np.ndarray:
+    def sample(seed: int) -> Array:
         runs = 2 ** int(np.ceil(np.log2(samples)))
         u = next(unit_blocks(space.size, runs, runs, np.random.default_rng(seed)))
         return _star(u, STEP).reshape(-1, space.size)
 
-    def analyse(u: np.ndarray, values: np.ndarray, seed: int) -> dict[str, np.ndarray]:
+    def analyse(u: Array, values: Array, seed: int) -> Measures:
         # Intervals come from replicates, so SALib's bootstrap is kept as short as it goes.
         found = analysis.analyze(cube, u, values, num_resamples=2)
         return {"nu": found["vi"], "total_bound": found["dgsm"]}
@@ -63,10 +66,7 @@ def dgsm(
     )
 
 
-dgsm.needs_independent = True
-
-
-def _star(u: np.ndarray, step: float) -> np.ndarray:
+def _star(u: Array, step: float) -> Array:
     """Each point (d,) followed by the d points a step away, inwards; shape (run, d + 1, d)."""
     d = u.shape[1]
     star = np.repeat(u[:, None], d + 1, axis=1)

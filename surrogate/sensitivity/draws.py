@@ -27,19 +27,35 @@ pairs bootstrap  refits to runs drawn with replacement (Storlie, Swiler, Helton 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
+from typing import Protocol
 
 import numpy as np
 from sklearn.base import clone
 
 from surrogate.errors import FitError
-from surrogate.sensitivity.model import Model, require_at_least
-from surrogate.sensitivity.pick_freeze import Groups, mixed_points, product_moments, ratios
+from surrogate.estimator import (
+    Array,
+    Groups,
+    Paths,
+    Predictor,
+    Regressor,
+    has_draws,
+    has_indices,
+    has_samples,
+    is_path,
+)
+from surrogate.sensitivity.model import Learnt, Model, Seed, require_at_least
+from surrogate.sensitivity.pick_freeze import mixed_points, product_moments, ratios
 from surrogate.space.space import Space
 
-Indices = tuple[np.ndarray, np.ndarray, np.ndarray]
+#: What a measure gives of one function, one array for each kind of index.
+Values = tuple[Array, ...]
+#: Several functions of coded points: values (run, count).
+Functions = Callable[[Array], Array]
 
 #: Pairs of points on which indices of drawn surrogates are set side by side.
 SAMPLES = 512
@@ -58,9 +74,23 @@ class Spread:
     how           the kind of draws, in words
     """
 
-    below: np.ndarray
-    above: np.ndarray
+    below: Array
+    above: Array
     how: str
+
+
+class Measured(Protocol):
+    """Indices of any surrogate, on points that are the same for all."""
+
+    @property
+    def closed(self) -> bool:
+        """True when the estimator's own `sobol_indices()` are used."""
+
+    def of(self, estimator: Predictor, /) -> Values:
+        """Indices of one estimator."""
+
+    def of_functions(self, functions: Functions, pairs: int, /) -> Sequence[Values]:
+        """The same for each column of functions(coded) (run, count), on `pairs` points."""
 
 
 @dataclass(frozen=True)
@@ -74,9 +104,9 @@ class Measure:
     space: Space
     groups: Groups | None = None
     closed: bool = False
-    seed: int | None = 0
+    seed: Seed = 0
 
-    def of(self, estimator) -> Indices:
+    def of(self, estimator: Predictor) -> Values:
         """first_order, total, second_order of one estimator."""
         if self.closed:
             return closed_form(estimator, self.groups)
@@ -91,7 +121,7 @@ class Measure:
             )[0]
         )
 
-    def of_functions(self, functions, pairs: int) -> list[Indices]:
+    def of_functions(self, functions: Functions, pairs: int) -> list[Values]:
         """The same for each column of functions(coded) (run, count)."""
         points = mixed_points(self.space, self.groups, pairs, self.seed)
         values = functions(np.concatenate(points)).reshape(len(points), pairs, -1)
@@ -110,108 +140,120 @@ class JointMeasure:
         """True when some part takes the estimator's own indices."""
         return any(part.closed for part in self.parts)
 
-    def of(self, estimator) -> tuple[np.ndarray, ...]:
+    def of(self, estimator: Predictor) -> Values:
         """Indices of all parts."""
         return tuple(chain.from_iterable(part.of(estimator) for part in self.parts))
 
-    def of_functions(self, functions, pairs: int) -> list[tuple[np.ndarray, ...]]:
+    def of_functions(self, functions: Functions, pairs: int) -> list[Values]:
         """The same for each column of functions(coded) (run, count)."""
         found = [part.of_functions(functions, pairs) for part in self.parts]
         return [tuple(chain.from_iterable(one)) for one in zip(*found, strict=True)]
 
 
-def closed_form(estimator, groups: Groups | None = None) -> Indices:
+def closed_form(estimator: Predictor, groups: Groups | None = None) -> tuple[Array, Array, Array]:
     """first_order, total, second_order (NaN on its diagonal) of an estimator that knows them."""
+    if not has_indices(estimator):
+        raise FitError(f"{type(estimator).__name__} has no closed form: add sobol_indices()")
     indices = estimator.sobol_indices() if groups is None else estimator.sobol_indices(groups)
     second = np.array(indices.second_order, dtype=float)
     np.fill_diagonal(second, np.nan)
     return np.asarray(indices.first_order), np.asarray(indices.total), second
 
 
-def _posterior(one: Model, measure, size: int, seed) -> list[Indices] | None:
+def _posterior(
+    estimator: Predictor, measure: Measured, size: int, seed: Seed
+) -> list[Values] | None:
     """Indices of each posterior draw less those of the mean on the same points, or None."""
-    if hasattr(one.estimator, "posterior_draws"):
-        drawn, pairs = one.estimator.posterior_draws(size, seed=seed), SAMPLES
-        if getattr(measure, "closed", False) or not hasattr(drawn[0], "paths"):
-            fitted = measure.of(one.estimator)
+    functions: Functions
+    if has_draws(estimator):
+        drawn, pairs = estimator.posterior_draws(size, seed=seed), SAMPLES
+        first = drawn[0]
+        if measure.closed or not is_path(first):
+            fitted = measure.of(estimator)
             return [_moved(measure.of(draw), fitted) for draw in drawn]
-
-        def functions(coded):
-            return drawn[0].paths.predict(coded, slice(None))
-    elif hasattr(one.estimator, "sample_y"):
-
-        def functions(coded):
-            return one.estimator.sample_y(coded, size, random_state=integer_seed(seed))
-
+        functions = partial(_all_paths, first.paths)
+    elif has_samples(estimator):
+        functions = partial(estimator.sample_y, n_samples=size, random_state=integer_seed(seed))
         pairs = JOINT_SAMPLES
     else:
         return None
-    mean = measure.of_functions(lambda coded: one.estimator.predict(coded)[:, None], pairs)[0]
+    mean = measure.of_functions(lambda coded: estimator.predict(coded)[:, None], pairs)[0]
     return [_moved(indices, mean) for indices in measure.of_functions(functions, pairs)]
 
 
-def _moved(drawn: tuple, centre: tuple) -> tuple:
+def _all_paths(paths: Paths, coded: Array) -> Array:
+    return paths.predict(coded, slice(None))
+
+
+def _moved(drawn: Values, centre: Values) -> Values:
     """Indices of a draw less those of the fitted surrogate."""
     return tuple(one - other for one, other in zip(drawn, centre, strict=True))
 
 
-def integer_seed(seed) -> int:
+def integer_seed(seed: Seed) -> int:
     """A seed of 32 bits, for libraries that know no generators."""
     return int(np.random.default_rng(seed).integers(2**31))
 
 
-def _refits(one: Model, size: int, seed) -> tuple[Iterator, str]:
+def _refits(learnt: Learnt, size: int, seed: Seed) -> tuple[Iterator[Regressor], str]:
     """Refitted estimators, and in words how they were drawn."""
     generator = np.random.default_rng(seed)
-    freedom = getattr(one.estimator, "interval_freedom", None)
-    if not hasattr(one.estimator, "regression_table") or freedom is None:
-        return _pairs(one, size, generator), "pairs bootstrap"
+    freedom = getattr(learnt.estimator, "interval_freedom", None)
+    if not hasattr(learnt.estimator, "regression_table") or freedom is None:
+        return _pairs(learnt, size, generator), "pairs bootstrap"
     if freedom == 0:
         return iter(()), "unknown: as many coefficients as runs"
-    return _student(one, freedom, size, generator), "Student t draws of the coefficients"
+    return _student(learnt, freedom, size, generator), "Student t draws of the coefficients"
 
 
-def _student(one: Model, freedom: int, size: int, generator) -> Iterator:
+def _student(
+    learnt: Learnt, freedom: int, size: int, generator: np.random.Generator
+) -> Iterator[Regressor]:
     """Least squares refits whose coefficients are t distributed about the fitted ones."""
-    prediction = one.estimator.predict(one.coded)
-    squares = float(((one.values - prediction) ** 2).sum())
+    prediction = learnt.estimator.predict(learnt.coded)
+    squares = float(((learnt.values - prediction) ** 2).sum())
     for _ in range(size):
         deviation = np.sqrt(squares / generator.chisquare(freedom))
         noise = deviation * generator.standard_normal(len(prediction))
-        yield clone(one.estimator).fit(one.coded, prediction + noise)
+        yield clone(learnt.estimator).fit(learnt.coded, prediction + noise)
 
 
-def _pairs(one: Model, size: int, generator) -> Iterator:
+def _pairs(learnt: Learnt, size: int, generator: np.random.Generator) -> Iterator[Regressor]:
     """Refits to runs drawn with replacement; resamples that support no fit are drawn again."""
     for _ in range(size):
         for _ in range(PATIENCE):
-            chosen = generator.integers(len(one.coded), size=len(one.coded))
+            chosen = generator.integers(len(learnt.coded), size=len(learnt.coded))
             try:
-                yield clone(one.estimator).fit(one.coded[chosen], one.values[chosen])
+                yield clone(learnt.estimator).fit(learnt.coded[chosen], learnt.values[chosen])
                 break
             except (ValueError, np.linalg.LinAlgError, FitError):
                 continue
 
 
 def spread(
-    one: Model, measure, *, draws: int, confidence: float, seed=0, shares: bool = True
+    one: Model,
+    measure: Measured,
+    *,
+    draws: int,
+    confidence: float,
+    seed: Seed = 0,
+    shares: bool = True,
 ) -> tuple[Spread, ...]:
     """Surrogate part of the interval of each index that `measure.of(estimator)` gives.
 
-    measure  has `of` and `of_functions`, as `Measure` has
     shares   whether the indices are shares of the variance, so that the missed variance counts
 
     Draws are measured on the same points, so that no sampling error enters. A plain
     function has no surrogate part: zeros. Without draws only the missed variance counts.
     """
     require_at_least(0, draws=draws)
-    fitted = measure.of(one.estimator or one)
-    if one.estimator is None:
+    fitted = measure.of(one.predictor)
+    if one.learnt is None:
         return tuple(
             Spread(np.zeros_like(part), np.zeros_like(part), "none: a plain function")
             for part in fitted
         )
-    radii, how = _radii(one, measure, fitted, draws, confidence, seed)
+    radii, how = _radii(one.learnt, measure, fitted, draws, confidence, seed)
     if not shares:
         return tuple(Spread(radius, radius, how) for radius in radii)
     missed = np.nan if one.q2 is None else np.clip(1.0 - one.q2, 0.0, 1.0)
@@ -222,13 +264,15 @@ def spread(
     )
 
 
-def _radii(one: Model, measure: Measure, fitted: Indices, draws: int, confidence: float, seed):
+def _radii(
+    learnt: Learnt, measure: Measured, fitted: Values, draws: int, confidence: float, seed: Seed
+) -> tuple[list[Array], str]:
     """Quantiles of |index of a draw - index of the fitted one|, and how they were drawn."""
     if draws == 0:
         return [np.zeros_like(part) for part in fitted], "no draws"
-    moves, how = _posterior(one, measure, draws, seed), "posterior draws"
+    moves, how = _posterior(learnt.estimator, measure, draws, seed), "posterior draws"
     if moves is None:
-        estimators, how = _refits(one, draws, seed)
+        estimators, how = _refits(learnt, draws, seed)
         moves = [_moved(measure.of(estimator), fitted) for estimator in estimators]
     if len(moves) < max(2, draws // 2):
         how = how if how.startswith("unknown") else f"unknown: {how} failed on these runs"

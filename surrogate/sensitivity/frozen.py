@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surrogate.estimator import Array
 from surrogate.sensitivity.draws import Measure, spread
-from surrogate.sensitivity.model import Model
+from surrogate.sensitivity.model import Model, Seed
 from surrogate.sensitivity.pick_freeze import (
     ROUNDING,
     block_size,
@@ -39,13 +40,13 @@ class VarianceKept:
 def variance_kept(
     one: Model,
     frozen: list[int],
-    at: np.ndarray,
+    at: Array,
     *,
     samples: int = 2**14,
     scramblings: int = 8,
     draws: int = 100,
     confidence: float = 0.95,
-    seed=0,
+    seed: Seed = 0,
 ) -> VarianceKept:
     """Variance kept when the inputs numbered `frozen` rest at the coded point `at` (d,)."""
     if not frozen:
@@ -69,17 +70,18 @@ def variance_kept(
     total, half = sampled.total[0], sampled.half["total"][0]
     low = 1.0 - (total + np.hypot(half, surrogate.above[0]))
     high = 1.0 - (total - np.hypot(half, surrogate.below[0]))
-    ends = np.clip(np.nan_to_num([low, high], nan=[0.0, 1.0]), 0.0, 1.0)
+    low, high = (0.0 if np.isnan(low) else low), (1.0 if np.isnan(high) else high)
     return VarianceKept(
         one.output,
         float(np.clip(1.0 - total, 0.0, 1.0)),
-        *map(float, ends),
+        float(np.clip(low, 0.0, 1.0)),
+        float(np.clip(high, 0.0, 1.0)),
         frozen_error(one, frozen, at, samples=samples, seed=seed),
     )
 
 
 def frozen_error(
-    one: Model, frozen: list[int], at: np.ndarray, *, samples: int, seed=None
+    one: Model, frozen: list[int], at: Array, *, samples: int, seed: Seed = None
 ) -> float:
     """E (f(x) - f(x with `frozen` inputs at `at`))^2 / Var f, by one scrambled sequence.
 

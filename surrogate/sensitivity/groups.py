@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from inspect import signature
 
 from surrogate.errors import StudyError, nearest
+from surrogate.estimator import has_indices
 from surrogate.space.space import Space
 
 #: Group name -> names of its parameters, none of them in another group.
@@ -51,9 +52,9 @@ def mistakes(groups: Named, names: Sequence[str]) -> list[tuple[tuple[str | int,
     return found
 
 
-def knows_groups(estimator) -> bool:
+def knows_groups(estimator: object) -> bool:
     """True when the estimator has Sobol' indices of groups in closed form."""
-    if not hasattr(estimator, "sobol_indices"):
+    if not has_indices(estimator):
         return False
     single = getattr(estimator, "estimator", estimator)  # that of a field's modes
     return "groups" in signature(single.sobol_indices).parameters

@@ -8,17 +8,20 @@ from SALib.analyze import morris as analysis
 from SALib.sample import morris as sampling
 
 from surrogate.errors import StudyError
-from surrogate.sensitivity.model import model, require_at_least
+from surrogate.estimator import Array
+from surrogate.sensitivity.independence import needs_independent
+from surrogate.sensitivity.model import Analysed, Seed, model, require_at_least
 from surrogate.sensitivity.table import Q2_NEEDED
-from surrogate.sensitivity.unit_cube import Method, measured, problem
+from surrogate.sensitivity.unit_cube import Measures, Method, measured, problem
 from surrogate.space.space import Space
 
 
+@needs_independent
 def morris(
-    fit,
+    fit: Analysed,
     space: Space,
     *,
-    seed=0,
+    seed: Seed = 0,
     confidence: float = 0.95,
     trajectories: int = 64,
     levels: int = 8,
@@ -42,12 +45,16 @@ def morris(
         )
     cube = problem(space)
 
-    def sample(seed: int) -> np.ndarray:
-        return sampling.sample(cube, trajectories, num_levels=levels, seed=seed)
+    def sample(seed: int) -> Array:
+        u: Array = sampling.sample(cube, trajectories, num_levels=levels, seed=seed)
+        return u
 
-    def analyse(u: np.ndarray, values: np.ndarray, seed: int) -> dict[str, np.ndarray]:
+    def analyse(u: Array, values: Array, seed: int) -> Measures:
         # Intervals come from replicates, so SALib's bootstrap is kept as short as it goes.
-        return analysis.analyze(cube, u, values, num_resamples=2, num_levels=levels, seed=seed)
+        found: Measures = analysis.analyze(
+            cube, u, values, num_resamples=2, num_levels=levels, seed=seed
+        )
+        return found
 
     method = Method(
         "morris",
@@ -64,6 +71,3 @@ def morris(
         draws=draws,
         q2_needed=q2_needed,
     )
-
-
-morris.needs_independent = True

@@ -13,13 +13,16 @@ or a symmetric curve has effect 0 at the base point and is dropped.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike, NDArray
 
 from surrogate.errors import StudyError
-from surrogate.sensitivity.model import model, rests
-from surrogate.sensitivity.table import Q2_NEEDED, dataset
+from surrogate.estimator import Array
+from surrogate.sensitivity.model import Analysed, Predict, Seed, model, rests
+from surrogate.sensitivity.table import Q2_NEEDED, Variables, dataset
 from surrogate.space.space import Parameter, Space
 
 THRESHOLD = 0.93
@@ -28,12 +31,12 @@ UNBOUNDED_END = 0.95
 
 
 def one_at_a_time(
-    fit,
+    fit: Analysed,
     space: Space,
     *,
-    seed=0,
+    seed: Seed = 0,
     confidence: float = 0.95,
-    base: Mapping | None = None,
+    base: Mapping[str, Any] | None = None,
     threshold: float = THRESHOLD,
     q2: float | None = None,
     q2_needed: float = Q2_NEEDED,
@@ -65,7 +68,12 @@ def one_at_a_time(
 
 
 def main_effects(
-    space: Space, coded, values, *, output: str = "y", threshold: float = THRESHOLD
+    space: Space,
+    coded: ArrayLike,
+    values: ArrayLike,
+    *,
+    output: str = "y",
+    threshold: float = THRESHOLD,
 ) -> xr.Dataset:
     """The same table from the runs alone: main effects 2 b_j of a least squares plane.
 
@@ -92,7 +100,7 @@ def main_effects(
     )
 
 
-def base_point(space: Space, base: Mapping | None = None) -> np.ndarray:
+def base_point(space: Space, base: Mapping[str, Any] | None = None) -> Array:
     """Coded point (d,) of physical values; a parameter not named rests in the middle."""
     rest = np.array([p.coded_levels[0] if p.categorical else 0.0 for p in space.parameters])
     for name, value in (base or {}).items():
@@ -100,7 +108,7 @@ def base_point(space: Space, base: Mapping | None = None) -> np.ndarray:
     return rest
 
 
-def describe(space: Space, coded: np.ndarray) -> str:
+def describe(space: Space, coded: Array) -> str:
     """`tension 0.098 N/mm, mu_skin 0.2` for one coded point (d,)."""
     return ", ".join(f"{p.name} {quantity(p, coded[j])}" for j, p in enumerate(space.parameters))
 
@@ -111,7 +119,7 @@ def quantity(parameter: Parameter, coded: float) -> str:
     return value if parameter.categorical else f"{value:g} {parameter.unit}".rstrip()
 
 
-def _effect(predict, parameter: Parameter, j: int, rest: np.ndarray) -> float:
+def _effect(predict: Predict, parameter: Parameter, j: int, rest: Array) -> float:
     end = 1.0 if parameter.bounded else UNBOUNDED_END
     places = parameter.coded_levels if parameter.categorical else np.array([-end, end])
     points = np.tile(rest, (len(places), 1))
@@ -125,7 +133,7 @@ def _effect(predict, parameter: Parameter, j: int, rest: np.ndarray) -> float:
     return float(np.sqrt((gaps**2).mean(axis=-1)).max())
 
 
-def _columns(effects: np.ndarray, threshold: float) -> dict:
+def _columns(effects: Array, threshold: float) -> Variables:
     """Variables of the table: effect, both shares, and what the rule keeps by either."""
     shares = {"share": _shares(np.abs(effects)), "share_squared": _shares(effects**2)}
     kept = {f"kept_by_{name}": kept_by_rule(share, threshold) for name, share in shares.items()}
@@ -135,12 +143,12 @@ def _columns(effects: np.ndarray, threshold: float) -> dict:
     }
 
 
-def _shares(sizes: np.ndarray) -> np.ndarray:
+def _shares(sizes: Array) -> Array:
     """Shares of the sum; zeros when nothing has an effect."""
     return sizes / sizes.sum() if sizes.sum() > 0.0 else sizes
 
 
-def kept_by_rule(share: np.ndarray, threshold: float = THRESHOLD) -> np.ndarray:
+def kept_by_rule(share: Array, threshold: float = THRESHOLD) -> NDArray[np.bool_]:
     """(d,) True for the largest shares until their sum exceeds `threshold`."""
     order = np.argsort(-share, kind="stable")
     before = np.cumsum(share[order]) - share[order]

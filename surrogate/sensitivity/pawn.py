@@ -6,18 +6,21 @@ import numpy as np
 import xarray as xr
 from SALib.analyze import pawn as analysis
 
-from surrogate.sensitivity.model import model, require_at_least
+from surrogate.estimator import Array
+from surrogate.sensitivity.independence import needs_independent
+from surrogate.sensitivity.model import Analysed, Seed, model, require_at_least
 from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
-from surrogate.sensitivity.unit_cube import Method, measured, problem
+from surrogate.sensitivity.unit_cube import Measures, Method, measured, problem
 from surrogate.space.space import Space
 
 
+@needs_independent
 def pawn(
-    fit,
+    fit: Analysed,
     space: Space,
     *,
-    seed=0,
+    seed: Seed = 0,
     confidence: float = 0.95,
     samples: int = 2**12,
     slices: int = 16,
@@ -36,12 +39,13 @@ def pawn(
     require_at_least(8 * slices, samples=samples)
     cube = problem(space)
 
-    def sample(seed: int) -> np.ndarray:
+    def sample(seed: int) -> Array:
         runs = 2 ** int(np.ceil(np.log2(samples)))
         return next(unit_blocks(space.size, runs, runs, np.random.default_rng(seed)))
 
-    def analyse(u: np.ndarray, values: np.ndarray, seed: int) -> dict[str, np.ndarray]:
-        return analysis.analyze(cube, u, values, S=slices)
+    def analyse(u: Array, values: Array, seed: int) -> Measures:
+        found: Measures = analysis.analyze(cube, u, values, S=slices)
+        return found
 
     method = Method(
         "pawn", sample, analyse, {name: (0.0, 1.0) for name in ("median", "mean", "maximum")}
@@ -56,6 +60,3 @@ def pawn(
         q2_needed=q2_needed,
         slices=slices,
     )
-
-
-pawn.needs_independent = True

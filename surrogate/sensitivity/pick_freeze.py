@@ -28,18 +28,19 @@ errors of order 1/n the half-width t sqrt(R) is 6.4 at R = 4, 6.7 at 8 and 8.5 a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 from scipy.stats import qmc
 
-from surrogate.sensitivity.model import require_at_least
+from surrogate.estimator import Array, Groups
+from surrogate.sensitivity.model import Predict, Seed, require_at_least
 from surrogate.space.space import Space
 
-Predict = Callable[[np.ndarray], np.ndarray]
-Groups = Sequence[Sequence[int]]
+#: Names of the indices, in the order in which tuples of them are passed about.
+INDICES = ("first_order", "total", "second_order")
 
 #: A variance below this share of the square of the mean is rounding: the function is constant.
 ROUNDING = 1e-28
@@ -56,10 +57,10 @@ class Sampled:
     `half` maps the same names to half-widths of the same shapes; evaluations: of f.
     """
 
-    first_order: np.ndarray
-    total: np.ndarray
-    second_order: np.ndarray
-    half: dict[str, np.ndarray]
+    first_order: Array
+    total: Array
+    second_order: Array
+    half: dict[str, Array]
     evaluations: int
 
 
@@ -71,7 +72,7 @@ def pick_freeze(
     samples: int = 2**14,
     scramblings: int = 8,
     confidence: float = 0.95,
-    seed=0,
+    seed: Seed = 0,
 ) -> Sampled:
     """Sobol' indices of `predict` over the independent inputs of `space`.
 
@@ -91,15 +92,15 @@ def pick_freeze(
     )
     values, errors = jackknife(ratios, moments)
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, scramblings - 1)
-    names = ("first_order", "total", "second_order")
-    half = {name: quantile * error for name, error in zip(names, errors, strict=True)}
-    runs = scramblings * per_scrambling(samples, scramblings)
-    return Sampled(*values, half=half, evaluations=runs * moments.shape[-1])
+    first_order, total, second_order = values
+    half = {name: quantile * error for name, error in zip(INDICES, errors, strict=True)}
+    evaluations = scramblings * per_scrambling(samples, scramblings) * moments.shape[-1]
+    return Sampled(first_order, total, second_order, half, evaluations)
 
 
 def per_scrambling(samples: int, scramblings: int) -> int:
     """Smallest power of two with at least `samples` points over all scramblings."""
-    return 2 ** max(3, int(np.ceil(np.log2(samples / scramblings))))
+    return 1 << max(3, int(np.ceil(np.log2(samples / scramblings))))
 
 
 def product_moments(
@@ -109,8 +110,8 @@ def product_moments(
     groups: Groups | None = None,
     samples: int,
     scramblings: int,
-    seed=None,
-) -> np.ndarray:
+    seed: Seed = None,
+) -> Array:
     """Means of products f(X) f(X') over the points, shape (scramblings, k, k).
 
     The k = 2 d + 2 columns, for d groups, are A, B, A_1 .. A_d, B_1 .. B_d, less a rough
@@ -134,14 +135,16 @@ def product_moments(
     return np.zeros_like(moments) if constant else moments
 
 
-def unit_blocks(dimensions: int, runs: int, block: int, generator) -> Iterator[np.ndarray]:
+def unit_blocks(
+    dimensions: int, runs: int, block: int, generator: np.random.Generator
+) -> Iterator[Array]:
     """One scrambled Sobol' sequence of `runs` points in (0, 1), `block` points at a time."""
     sequence = qmc.Sobol(dimensions, scramble=True, rng=generator)
     for _ in range(runs // block):
         yield np.clip(sequence.random(block), 1e-12, 1.0 - 1e-12)
 
 
-def mixed_points(space: Space, groups: Groups | None, runs: int, seed) -> list[np.ndarray]:
+def mixed_points(space: Space, groups: Groups | None, runs: int, seed: Seed) -> list[Array]:
     """The k = 2 d + 2 sets of coded points (runs, parameter), for `runs` a power of two."""
     groups = [[i] for i in range(space.size)] if groups is None else groups
     u = next(unit_blocks(2 * space.size, runs, runs, np.random.default_rng(seed)))
@@ -154,13 +157,13 @@ def block_size(width: int, runs: int) -> int:
     return int(np.clip(2 ** int(np.log2(max(BLOCK // width, 1))), 1, runs))
 
 
-def pilot(predict: Predict, space: Space) -> tuple[np.ndarray, int]:
+def pilot(predict: Predict, space: Space) -> tuple[Array, int]:
     """Rough mean of f, and the number of its components."""
     values = np.asarray(predict(space.sample(64, seed=0)))
     return values.mean(axis=0), values[0].size
 
 
-def _mixtures(A: np.ndarray, B: np.ndarray, groups: Groups) -> Iterator[np.ndarray]:
+def _mixtures(A: Array, B: Array, groups: Groups) -> Iterator[Array]:
     """A, B, then A with one group of columns from B, then B with one group from A."""
     yield A
     yield B
@@ -171,7 +174,7 @@ def _mixtures(A: np.ndarray, B: np.ndarray, groups: Groups) -> Iterator[np.ndarr
             yield mixed
 
 
-def ratios(M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def ratios(M: Array) -> tuple[Array, Array, Array]:
     """First-order, total and second-order indices from product moments (k, k).
 
     All zero where nothing varies.
@@ -191,7 +194,9 @@ def ratios(M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return first, total, second
 
 
-def jackknife(statistic, replicates: np.ndarray) -> tuple[tuple, tuple]:
+def jackknife(
+    statistic: Callable[[Array], tuple[Array, ...]], replicates: Array
+) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
     """Statistic of the mean of independent replicates (R, ...), and its standard errors.
 
     `statistic` maps an array to a tuple of arrays; standard errors by leaving out one

@@ -10,8 +10,9 @@ import numpy as np
 import xarray as xr
 
 from surrogate.errors import StudyError, nearest
+from surrogate.estimator import Array
 from surrogate.sensitivity.frozen import VarianceKept, variance_kept
-from surrogate.sensitivity.model import Model, model
+from surrogate.sensitivity.model import Analysed, Model, Seed, model
 from surrogate.sensitivity.one_at_a_time import base_point, one_at_a_time, quantity
 from surrogate.space.space import Space
 
@@ -68,7 +69,7 @@ class Screening:
     @property
     def frozen_values(self) -> dict[str, float | str]:
         """Parameters to freeze and the value at which, in their units."""
-        return {v.parameter: v.value for v in self.verdicts if v.frozen}
+        return {v.parameter: v.value for v in self.verdicts if v.value is not None}
 
     @property
     def kept_by_old_rule(self) -> tuple[str, ...]:
@@ -104,14 +105,14 @@ def decide(
     indices: xr.Dataset,
     freeze_below: float,
     *,
-    fits: Mapping[str, Any],
+    fits: Mapping[str, Analysed],
     space: Space,
     outputs: Sequence[str] | None = None,
     nominal: Mapping[str, Any] | None = None,
     threshold: float = 0.93,
     samples: int = 2**14,
     draws: int = 100,
-    seed=0,
+    seed: Seed = 0,
 ) -> Screening:
     """Freeze each parameter whose total index has an interval below `freeze_below`.
 
@@ -156,7 +157,9 @@ def decide(
     )
 
 
-def _concerned(indices: xr.Dataset, fits, outputs) -> tuple[str, ...]:
+def _concerned(
+    indices: xr.Dataset, fits: Mapping[str, Analysed], outputs: Sequence[str] | None
+) -> tuple[str, ...]:
     """Names of the outputs concerned, all of which have total indices and a fit."""
     if "total_high" not in indices:
         raise StudyError(
@@ -175,14 +178,14 @@ def _over_outputs(tables: list[xr.Dataset], name: str) -> xr.DataArray:
     return xr.concat([table[name] for table in tables], "output", join="exact")
 
 
-def _model(fit, space: Space, chosen: xr.Dataset, output: str) -> Model:
+def _model(fit: Analysed, space: Space, chosen: xr.Dataset, output: str) -> Model:
     """The model with the Q2 that its indices were judged by."""
     q2 = float(chosen["q2"].sel(output=output))
     return model(fit, space, q2=None if np.isnan(q2) else q2)
 
 
 def _verdict(
-    evidence: xr.Dataset, space: Space, at: np.ndarray, freeze_below: float, refused: str
+    evidence: xr.Dataset, space: Space, at: Array, freeze_below: float, refused: str
 ) -> Verdict:
     """Decide on one parameter; evidence has dimension output."""
     name = str(evidence["parameter"].item())

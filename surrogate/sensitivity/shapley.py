@@ -20,10 +20,11 @@ import numpy as np
 import xarray as xr
 from scipy import stats
 
+from surrogate.estimator import Array, Predictor, has_indices
 from surrogate.sensitivity.conditional import Pairs
-from surrogate.sensitivity.draws import closed_form, spread
+from surrogate.sensitivity.draws import Functions, Values, closed_form, spread
 from surrogate.sensitivity.groups import Named, numbers
-from surrogate.sensitivity.model import Model, model, require_at_least
+from surrogate.sensitivity.model import Analysed, Model, Predict, Seed, model, require_at_least
 from surrogate.sensitivity.pick_freeze import (
     BLOCK,
     ROUNDING,
@@ -31,7 +32,7 @@ from surrogate.sensitivity.pick_freeze import (
     per_scrambling,
     unit_blocks,
 )
-from surrogate.sensitivity.table import Q2_NEEDED, Estimate, dataset
+from surrogate.sensitivity.table import Q2_NEEDED, Estimate, Variables, dataset
 from surrogate.space.space import Space
 
 ALL_SUBSETS = 8
@@ -45,11 +46,11 @@ Subset = tuple[int, ...]
 
 
 def shapley(
-    fit,
+    fit: Analysed,
     space: Space,
     *,
     groups: Named | None = None,
-    seed=0,
+    seed: Seed = 0,
     confidence: float = 0.95,
     samples: int = 2**12,
     scramblings: int = 8,
@@ -74,12 +75,12 @@ def shapley(
     grouped = numbers(space, groups)
     measure = Measure(space, exact, seed, tuple(map(tuple, grouped)))
     if exact:
-        values = measure.of(one.estimator)
+        values = measure.of(one.predictor)
         half = tuple(np.zeros_like(value) for value in values)
     else:
         values, half = _sampled(one, measure, samples, scramblings, confidence)
     spreads = spread(one, measure, draws=draws, confidence=confidence, seed=seed)
-    variables = {}
+    variables: Variables = {}
     for name, value, width, part in zip(NAMES[: len(values)], values, half, spreads, strict=True):
         estimate = Estimate(value, width, part.below, part.above)
         dims = ("group",) if name.startswith("group") else ("parameter",)
@@ -102,46 +103,46 @@ class Measure:
 
     space: Space
     closed: bool
-    seed: int | None = 0
+    seed: Seed = 0
     groups: tuple[Subset, ...] = ()
 
-    def of(self, estimator) -> tuple[np.ndarray, ...]:
+    def of(self, estimator: Predictor) -> Values:
         """The three kinds of effects of one estimator, each (d,); and the groups' (g,)."""
         if self.closed:
             return self.summed(_closed(estimator))
         return self.effects(self._increases(estimator.predict).sum(axis=-1))
 
-    def effects(self, parts: np.ndarray) -> tuple[np.ndarray, ...]:
+    def effects(self, parts: Array) -> Values:
         """The same from unscaled effects (3, d)."""
         return self.summed(effects(parts))
 
-    def summed(self, found: tuple[np.ndarray, ...]) -> tuple[np.ndarray, ...]:
+    def summed(self, found: Values) -> Values:
         """The effects, and the sum of the Shapley effects of each group if there are some."""
         sums = np.array([found[0][list(group)].sum() for group in self.groups])
         return (*found, sums) if self.groups else found
 
-    def of_functions(self, functions, pairs: int) -> list[tuple[np.ndarray, ...]]:
+    def of_functions(self, functions: Functions, pairs: int) -> list[Values]:
         """The same for each column of functions(coded) (run, count)."""
         return [
             self.effects(parts) for parts in np.moveaxis(self._increases(functions, pairs), -1, 0)
         ]
 
-    def _increases(self, predict, runs: int = SAMPLES) -> np.ndarray:
+    def _increases(self, predict: Predict, runs: int = SAMPLES) -> Array:
         generator = np.random.default_rng(self.seed)
         runs = min(runs, SAMPLES)
         u = next(unit_blocks(2 * self.space.size, runs, runs, generator))
         return increases(predict, self.space, [u], runs, generator)
 
 
-def _second_order(estimator) -> bool:
+def _second_order(estimator: Predictor | None) -> bool:
     """True when first and second order make up the variance of the estimator, in closed form."""
-    if not hasattr(estimator, "sobol_indices"):
+    if not has_indices(estimator):
         return False
     first, _, second = closed_form(estimator)
-    return abs(first.sum() + 0.5 * np.nansum(second) - 1.0) <= 1e-9
+    return bool(abs(first.sum() + 0.5 * np.nansum(second) - 1.0) <= 1e-9)
 
 
-def _closed(estimator) -> tuple[np.ndarray, ...]:
+def _closed(estimator: Predictor) -> Values:
     """The three kinds of effects (d,) from the estimator's own indices.
 
     S_i + sum_j S_ij / 2, and a share of what lies above second order in proportion to the
@@ -155,7 +156,9 @@ def _closed(estimator) -> tuple[np.ndarray, ...]:
     return first + 0.5 * pairs.sum(axis=1) + share, first, total
 
 
-def _sampled(one: Model, measure: Measure, samples: int, scramblings: int, confidence: float):
+def _sampled(
+    one: Model, measure: Measure, samples: int, scramblings: int, confidence: float
+) -> tuple[Values, Values]:
     """Effects and half-widths of their sampling intervals."""
     runs = per_scrambling(samples, scramblings)
     parts = []
@@ -170,10 +173,10 @@ def _sampled(one: Model, measure: Measure, samples: int, scramblings: int, confi
 def _block(one: Model) -> int:
     """Points at once: a power of two that keeps an array output in bounded memory."""
     width = np.asarray(one.predict(one.space.sample(1, seed=0))).size
-    return 2 ** int(np.log2(max(BLOCK // (4 * width), 1)))
+    return 1 << int(np.log2(max(BLOCK // (4 * width), 1)))
 
 
-def effects(parts: np.ndarray) -> tuple[np.ndarray, ...]:
+def effects(parts: Array) -> Values:
     """Shares from average increases, Var - c(all but i), c(i), in the rows of parts (3, d).
 
     All zero where nothing varies.
@@ -183,8 +186,12 @@ def effects(parts: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def increases(
-    predict, space: Space, blocks: Iterable[np.ndarray], runs: int, generator
-) -> np.ndarray:
+    predict: Predict,
+    space: Space,
+    blocks: Iterable[Array],
+    runs: int,
+    generator: np.random.Generator,
+) -> Array:
     """Unscaled effects (3, d, component) over the points of `blocks`, `runs` in all.
 
     Zero for a component that varies by rounding only.
@@ -214,7 +221,7 @@ def increases(
     return np.stack([average, alone, last]) * varies
 
 
-def _weights(d: int, generator) -> dict[Subset, np.ndarray]:
+def _weights(d: int, generator: np.random.Generator) -> dict[Subset, Array]:
     """Weights (d,) of c(S) in the Shapley sums, for every subset S that is evaluated.
 
     All subsets: 1 / (d comb(d - 1, |S| - 1)) for members, minus 1 / (d comb(d - 1, |S|)) for
@@ -238,7 +245,7 @@ def _weights(d: int, generator) -> dict[Subset, np.ndarray]:
     return weights
 
 
-def _weight(subset: Subset, d: int) -> np.ndarray:
+def _weight(subset: Subset, d: int) -> Array:
     size, member = len(subset), np.isin(np.arange(d), subset)
     joining = 1.0 / (d * comb(d - 1, size - 1))
     leaving = 1.0 / (d * comb(d - 1, size)) if size < d else 0.0

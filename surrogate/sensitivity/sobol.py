@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
-from surrogate.sensitivity.draws import JointMeasure, Measure, spread
+from surrogate.estimator import Array, has_indices
+from surrogate.sensitivity.draws import JointMeasure, Measure, Values, spread
 from surrogate.sensitivity.groups import Named, knows_groups, numbers
-from surrogate.sensitivity.model import Model, model, require_independent
-from surrogate.sensitivity.pick_freeze import pick_freeze
-from surrogate.sensitivity.table import Q2_NEEDED, Estimate, dataset
+from surrogate.sensitivity.independence import needs_independent, require_independent
+from surrogate.sensitivity.model import Analysed, Model, Seed, model
+from surrogate.sensitivity.pick_freeze import INDICES, pick_freeze
+from surrogate.sensitivity.table import Q2_NEEDED, Estimate, Variables, dataset
 from surrogate.space.space import Space
 
-#: Names of the indices, in the order in which tuples of them are passed about.
-INDICES = ("first_order", "total", "second_order")
 SHARE = (0.0, 1.0)
 
 
+@needs_independent
 def sobol(
-    fit,
+    fit: Analysed,
     space: Space,
     *,
     groups: Named | None = None,
-    seed=0,
+    seed: Seed = 0,
     confidence: float = 0.95,
     samples: int = 2**14,
     scramblings: int = 8,
@@ -50,22 +53,24 @@ def sobol(
     """
     require_independent(space, "sobol")
     one = model(fit, space, q2=q2)
-    exact = exact and hasattr(one.estimator, "sobol_indices")
-    options = {"samples": samples, "scramblings": scramblings, "seed": seed}
+    exact = exact and has_indices(one.estimator)
     measures = [Measure(space, closed=exact, seed=seed)]
     if grouped := numbers(space, groups):
         measures.append(Measure(space, grouped, exact and knows_groups(one.estimator), seed))
-    values, half = [], []
+    values: list[Array] = []
+    half: list[Array] = []
     for measure in measures:
         found = (
-            _closed(one, measure) if measure.closed else _sampled(one, measure, confidence, options)
+            _closed(one, measure)
+            if measure.closed
+            else _sampled(one, measure, confidence, samples, scramblings)
         )
         values += found[0]
         half += found[1]
     spreads = spread(
         one, JointMeasure(tuple(measures)), draws=draws, confidence=confidence, seed=seed
     )
-    variables = {}
+    variables: Variables = {}
     for (name, dims), value, width, part in zip(_named(values), values, half, spreads, strict=True):
         estimate = Estimate(value, width, part.below, part.above)
         variables |= estimate.columns(name, dims, SHARE) if dims else {}
@@ -82,10 +87,7 @@ def sobol(
     )
 
 
-sobol.needs_independent = True
-
-
-def _named(values: list) -> list[tuple[str, tuple[str, ...]]]:
+def _named(values: Sequence[Array]) -> list[tuple[str, tuple[str, ...]]]:
     """Name and dimensions of each index; no dimensions for what is not reported."""
     named = [
         ("first_order", ("parameter",)),
@@ -98,21 +100,29 @@ def _named(values: list) -> list[tuple[str, tuple[str, ...]]]:
     return named[: len(values)]
 
 
-def _closed(one: Model, measure: Measure) -> tuple[tuple, tuple]:
+def _closed(one: Model, measure: Measure) -> tuple[Values, Values]:
     """Indices in closed form, with no sampling error."""
-    values = measure.of(one.estimator)
+    values = measure.of(one.predictor)
     return values, tuple(np.zeros_like(value) for value in values)
 
 
-def _sampled(one: Model, measure: Measure, confidence: float, options: dict) -> tuple[tuple, tuple]:
+def _sampled(
+    one: Model, measure: Measure, confidence: float, samples: int, scramblings: int
+) -> tuple[Values, Values]:
     sampled = pick_freeze(
-        one.predict, one.space, groups=measure.groups, confidence=confidence, **options
+        one.predict,
+        one.space,
+        groups=measure.groups,
+        samples=samples,
+        scramblings=scramblings,
+        confidence=confidence,
+        seed=measure.seed,
     )
     values = tuple(getattr(sampled, name) for name in INDICES)
     return values, tuple(sampled.half[name] for name in INDICES)
 
 
-def worst_case(total: np.ndarray, q2: float | None) -> np.ndarray:
+def worst_case(total: Array, q2: float | None) -> Array:
     """Largest total index of the solver, when its surrogate has this total index and Q2.
 
     sqrt(Var f T_i(f)) = sqrt(E[Var(f | x_~i)]) is a seminorm, so with f = surrogate + rest
@@ -123,4 +133,5 @@ def worst_case(total: np.ndarray, q2: float | None) -> np.ndarray:
     if q2 is None:
         return np.full_like(total, np.nan)
     missed = np.sqrt(np.clip(1.0 - q2, 0.0, 1.0))
-    return np.minimum((np.sqrt(np.maximum(total, 0.0)) * (1.0 + missed) + missed) ** 2, 1.0)
+    worst: Array = (np.sqrt(np.maximum(total, 0.0)) * (1.0 + missed) + missed) ** 2
+    return np.minimum(worst, 1.0)

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
+from surrogate.estimator import Array
 from surrogate.sensitivity.groups import Named
 from surrogate.sensitivity.model import Model
+
+#: Variables of a dataset by name: dimensions, and values over them.
+Variables = dict[str, tuple[tuple[str, ...], ArrayLike]]
 
 #: Below this Q2 a surrogate is commonly held to be too poor for sensitivity analysis
 #: (Marrel, Iooss, Laurent and Roustant 2009, doi 10.1016/j.ress.2008.07.008).
@@ -25,12 +31,12 @@ class Estimate:
                   (NaN when that error cannot be estimated)
     """
 
-    value: np.ndarray
-    sampling: np.ndarray
-    below: np.ndarray
-    above: np.ndarray
+    value: Array
+    sampling: Array
+    below: Array
+    above: Array
 
-    def columns(self, name: str, dims: tuple[str, ...], ends: tuple[float, float]) -> dict:
+    def columns(self, name: str, dims: tuple[str, ...], ends: tuple[float, float]) -> Variables:
         """Variables `name`, `_low`, `_high`, `_sampling`, `_surrogate`, kept within `ends`.
 
         The two parts are independent, so they add as squares. An unknown surrogate part
@@ -52,13 +58,13 @@ class Estimate:
 
 def dataset(
     model: Model,
-    variables: Mapping,
+    variables: Variables,
     *,
     method: str,
     confidence: float,
     q2_needed: float = Q2_NEEDED,
     groups: Named | None = None,
-    **attributes,
+    **attributes: object,
 ) -> xr.Dataset:
     """The dataset of one output: dimensions output, parameter (and parameter_2, group).
 
@@ -67,16 +73,16 @@ def dataset(
     what else is given.
     """
     names = list(model.space.names)
-    coordinates = {"output": [model.output], "parameter": names}
+    coordinates: dict[str, Any] = {"output": [model.output], "parameter": names}
     if any("parameter_2" in dims for dims, _ in variables.values()):
         coordinates["parameter_2"] = names
     if groups:
         coordinates["group"] = list(groups)
         coordinates["members"] = ("group", [", ".join(members) for members in groups.values()])
     refusal = refuse(model, q2_needed)
-    known = {
-        "q2": ("output", [np.nan if model.q2 is None else model.q2]),
-        "refused": ("output", [refusal]),
+    known: Variables = {
+        "q2": (("output",), [np.nan if model.q2 is None else model.q2]),
+        "refused": (("output",), [refusal]),
     }
     return xr.Dataset(
         {**variables, **known},
@@ -114,8 +120,7 @@ def combine(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
     attributes = {}
     for key in datasets[0].attrs:
         values = list(dict.fromkeys(d.attrs[key] for d in datasets if d.attrs[key] != ""))
-        joined = "; ".join(map(str, values))
-        attributes[key] = values[0] if len(values) == 1 else joined
+        attributes[key] = values[0] if len(values) == 1 else "; ".join(map(str, values))
     joined = xr.concat(
         datasets,
         dim="output",

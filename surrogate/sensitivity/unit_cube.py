@@ -17,15 +17,15 @@ import xarray as xr
 from scipy import stats
 
 from surrogate.errors import StudyError
-from surrogate.sensitivity.draws import spread
-from surrogate.sensitivity.model import (
-    Model,
-    require_at_least,
-    require_independent,
-    rests,
-)
-from surrogate.sensitivity.table import Estimate, dataset
+from surrogate.estimator import Array, Predictor
+from surrogate.sensitivity.draws import Functions, Values, spread
+from surrogate.sensitivity.independence import require_independent
+from surrogate.sensitivity.model import Model, Seed, require_at_least, rests
+from surrogate.sensitivity.table import Estimate, Variables, dataset
 from surrogate.space.space import Space
+
+#: Name -> measure (parameter,).
+Measures = dict[str, Array]
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,8 @@ class Method:
     """
 
     name: str
-    sample: Callable[[int], np.ndarray]
-    analyse: Callable[[np.ndarray, np.ndarray, int], dict[str, np.ndarray]]
+    sample: Callable[[int], Array]
+    analyse: Callable[[Array, Array, int], Measures]
     ends: dict[str, tuple[float, float]]
 
 
@@ -52,17 +52,22 @@ class Measure:
     space: Space
     seed: int
 
-    def of(self, estimator) -> tuple[np.ndarray, ...]:
+    @property
+    def closed(self) -> bool:
+        """False: there are no closed forms."""
+        return False
+
+    def of(self, estimator: Predictor) -> Values:
         """Measures of one estimator, each (d,)."""
         return self.of_functions(lambda coded: estimator.predict(coded)[:, None])[0]
 
-    def of_functions(self, functions, pairs: int | None = None) -> list[tuple[np.ndarray, ...]]:
+    def of_functions(self, functions: Functions, pairs: int | None = None) -> list[Values]:
         """The same for each column of functions(coded) (run, count); `pairs` plays no part."""
         u = self.method.sample(self.seed)
         columns = functions(self.space.quantile(np.clip(u, 1e-12, 1.0 - 1e-12))).T
         return [self._read(u, column) for column in columns]
 
-    def _read(self, u: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, ...]:
+    def _read(self, u: Array, values: Array) -> Values:
         if rests(values):  # SALib would divide by no variance, or measure rounding
             return tuple(np.zeros(self.space.size) for _ in self.method.ends)
         with global_seed(self.seed):
@@ -74,12 +79,12 @@ def measured(
     one: Model,
     method: Method,
     *,
-    seed,
+    seed: Seed,
     confidence: float,
     replicates: int,
     draws: int,
     q2_needed: float,
-    **attributes,
+    **attributes: Any,
 ) -> xr.Dataset:
     """Dataset of a method's measures: mean of the replicates, with both parts of the error."""
     require_independent(one.space, method.name)
@@ -100,7 +105,7 @@ def measured(
         seed=seed,
         shares=False,
     )
-    variables: dict[str, Any] = {}
+    variables: Variables = {}
     for parts, (name, ends), part in zip(
         zip(*sets, strict=True), method.ends.items(), spreads, strict=True
     ):

@@ -11,6 +11,7 @@ from surrogate.designs.design import Design
 from surrogate.errors import StudyError, nearest
 from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
+from surrogate.sensitivity.independence import spoilt
 from surrogate.space.space import Space
 from surrogate.stages.fits import Surrogate
 from surrogate.stages.plugin import call, parameters_of
@@ -124,11 +125,7 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
     with reading.mistakes_at("sensitivity", "method"):
         function = plugins.load(plugins.SENSITIVITY, part.method, reading.folder)
         reading.add(option_mistakes(function, part.options, GIVEN_TO_SENSITIVITY), "sensitivity")
-        if (
-            space is not None
-            and not space.independent
-            and getattr(function, "needs_independent", False)
-        ):
+        if space is not None and spoilt(function, space):
             reading.wrong(
                 f"method {part.method} needs independent parameters, but these are "
                 "correlated; use method shapley, or drop correlation",

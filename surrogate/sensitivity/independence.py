@@ -1,0 +1,34 @@
+"""Methods whose results correlated parameters would spoil."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import xarray as xr
+
+from surrogate.errors import StudyError
+from surrogate.space.space import Space
+
+Method = TypeVar("Method", bound=Callable[..., xr.Dataset])
+
+
+def needs_independent(method: Method) -> Method:
+    """Marks such a sensitivity method, so that a study refuses it before any run."""
+    method.__dict__["needs_independent"] = True
+    return method
+
+
+def spoilt(method: object, space: Space) -> bool:
+    """True when the method needs independent parameters and these are correlated."""
+    return bool(getattr(method, "needs_independent", False)) and not space.independent
+
+
+def require_independent(space: Space, method: str) -> None:
+    """Refuse correlated parameters, for methods whose results they would spoil."""
+    if not space.independent:
+        raise StudyError(
+            f"sensitivity method {method} needs independent parameters, but these are "
+            "correlated: first-order and total indices then no longer split the variance (they "
+            "may sum to more than 1). Use method shapley, whose effects always sum to 1"
+        )
