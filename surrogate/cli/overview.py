@@ -5,7 +5,7 @@ from __future__ import annotations
 from inspect import getdoc
 from textwrap import fill
 
-from surrogate.cli.verbs import app
+import typer
 
 HEAD = """\
 Usage: surrogate VERB [STUDY.yaml] [OPTIONS]
@@ -17,8 +17,8 @@ A study is code: verbs that read one load the solver and the modules that it nam
 surrogate VERB --help tells the options of a verb, surrogate --version the version."""
 
 
-def overview() -> str:
-    """Every verb with its first line."""
+def overview(app: typer.Typer) -> str:
+    """Every verb of the command with its first line."""
     verbs = [
         (one.name or one.callback.__name__, getdoc(one.callback) or "")
         for one in app.registered_commands

@@ -295,6 +295,9 @@ def main() -> None:
         _stop(error, 2)
     except SurrogateError as error:
         _stop(error, 1)
+    except BrokenPipeError:  # whoever read our output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        sys.exit(1)
     except OSError as error:
         _stop(_refused(error), 1)
     except Exception as error:  # a mistake of ours, not of the user
@@ -313,7 +316,7 @@ def _carry_out() -> None:
         if sys.argv[1:] in ([], ["-h"], ["--help"]):
             from surrogate.cli.overview import overview
 
-            print(overview())
+            print(overview(app))
         else:
             app()
     finally:

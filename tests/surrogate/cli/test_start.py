@@ -59,3 +59,12 @@ def test_every_built_in_plugin_is_described_without_importing_it():
             lines = {text.split("\n")[0] for text in (_when_imported(point),) if text}
             assert lines == {catalogue()[group.rsplit(".", 1)[-1]][name]}, name
             assert _in_source(point.module, point.attr), name
+
+
+def test_a_reader_that_has_seen_enough_is_no_trouble():
+    """`surrogate --help | head -1` says nothing of a broken pipe."""
+    words = f"{sys.executable} -m surrogate schema"
+    done = subprocess.run(
+        ["bash", "-c", f"{words} | head -c 1"], capture_output=True, text=True, timeout=60
+    )
+    assert done.stderr == ""
