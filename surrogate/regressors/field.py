@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 #: the many modes beyond could not move an index of the field by more than the rest, and move it
 #: by far less, because they are independent.
 DRAWN = 0.99
+#: Smallest share of the first mode's variance at which products give a mode to ten digits.
+RESOLVED = 1e-6
 
 
 def _offered(name: str) -> Callable[[Callable[..., Any]], Any]:
@@ -85,7 +87,7 @@ class Field(RegressorMixin, BaseEstimator):
         flat = fields.reshape(len(fields), -1)
         self.shape_ = fields.shape[1:]
         self.mean_ = flat.mean(axis=0)
-        u, s, vt = np.linalg.svd(flat - self.mean_, full_matrices=False)
+        u, s, vt = _decomposed(flat - self.mean_, self.explained)
         energy = np.cumsum(s**2)
         # Differences within rounding of the values themselves are no mode.
         if energy[-1] <= 1e-28 * (flat**2).sum():
@@ -202,6 +204,25 @@ class Field(RegressorMixin, BaseEstimator):
             "modes": self.modes_.tolist(),
             "amplitudes": [model.portable() for model in self.estimators_],
         }
+
+
+def _decomposed(fluctuations: Array, explained: float) -> tuple[Array, Array, Array]:
+    """Singular value decomposition of fluctuations (n, size).
+
+    From the eigenvalues of their products (Sirovich's method of snapshots), five times faster,
+    where there are more places than runs and the modes that are kept lose no digits by it.
+    """
+    n, size = fluctuations.shape
+    if n < size:
+        squares, u = np.linalg.eigh(fluctuations @ fluctuations.T)
+        squares, u = np.maximum(squares[::-1], 0.0), u[:, ::-1]
+        energy = np.cumsum(squares)
+        kept = squares[: int(np.searchsorted(energy, explained * energy[-1])) + 1]
+        if kept[-1] > RESOLVED * squares[0]:
+            s = np.sqrt(squares)
+            return u, s, (u.T @ fluctuations) / np.maximum(s, 1e-8 * s[0])[:, None]
+    u, s, vt = np.linalg.svd(fluctuations, full_matrices=False)
+    return u, s, vt
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from surrogate.fitting.fit import fit
+from surrogate.regressors import field
+from surrogate.regressors.field import Field
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Interactions
 from surrogate.space.distributions import uniform
@@ -46,3 +48,16 @@ def test_drawn_fields_scatter_as_the_field_says():
     expected = own * np.sqrt(freedom / (freedom - 2.0))
     np.testing.assert_allclose(draws.mean(axis=0), mean[0], atol=0.1 * own.max())
     np.testing.assert_allclose(draws.std(axis=0), expected, atol=0.06 * own.max())
+
+
+def test_modes_by_snapshots_are_the_singular_vectors(monkeypatch):
+    """Products of fields and the singular value decomposition give one field, to 1e-10."""
+    x = np.linspace(-1.0, 1.0, 15)[:, None]
+    values = np.exp(np.outer(1.0 + x[:, 0], np.linspace(0.0, 1.0, 40)))
+    by_products = Field(Interactions(), explained=0.9999).fit(x, values)
+    monkeypatch.setattr(field, "RESOLVED", np.inf)
+    by_svd = Field(Interactions(), explained=0.9999).fit(x, values)
+    np.testing.assert_allclose(by_products.predict(x), by_svd.predict(x), atol=1e-10)
+    np.testing.assert_allclose(by_products.left_out_, by_svd.left_out_, atol=1e-10)
+    modes = by_products.modes_
+    np.testing.assert_allclose(modes @ modes.T, np.eye(len(modes)), atol=1e-10)
