@@ -11,6 +11,7 @@ import numpy as np
 
 from surrogate.conformance.verdict import attempt, conclude, documented, global_randomness, same
 from surrogate.errors import DesignError
+from surrogate.space.discrete import integers, listed
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 
@@ -28,6 +29,13 @@ SPACES = {
             *_RANGES[:2],
             Parameter("side", levels=("left", "right")),
             Parameter("layer", levels=("one", "two", "three")),
+        )
+    ),
+    "ranges, integers and listed values": Space(
+        (
+            *_RANGES[:2],
+            Parameter("teeth", integers((1, 8))),
+            Parameter("pipe", listed([10, 12, 16, 20]), unit="mm"),
         )
     ),
     "a parameter without ends": Space(
@@ -161,6 +169,11 @@ def _coded(coded: Any, where: str, space: Space) -> Iterable[str]:
             column = coded[:, j]
             if p.categorical and np.abs(column[:, None] - p.coded_levels).min(axis=1).max() > 1e-9:
                 yield f"{where}: parameter {p.name} takes values between its levels"
+            if np.abs(column - p.snap(column)).max() > 1e-9:
+                yield (
+                    f"{where}: parameter {p.name} takes values that are not allowed; return "
+                    "space.snap(coded)"
+                )
             if not p.bounded and np.abs(column).max() >= 1.0:
                 yield (
                     f"{where}: parameter {p.name} has no ends, but takes -1 or 1; raise "

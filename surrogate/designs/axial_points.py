@@ -39,4 +39,4 @@ def star(space: Space, alpha: float) -> np.ndarray:
         for j in columns:
             for end in (-alpha, alpha):
                 rows.append(np.where(np.arange(space.size) == j, end, centre))
-    return np.array(rows)
+    return space.snap(rows)

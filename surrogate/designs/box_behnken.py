@@ -98,7 +98,7 @@ def box_behnken(space: Space, *, center_points: int = 1, seed: int | None = None
             "or d_optimal with model: quadratic"
         )
     rows = [_block_runs(block, space.size) for block in BLOCKS[space.size]]
-    return np.vstack([*rows, centers(space, center_points)])
+    return np.vstack([space.snap(np.vstack(rows)), centers(space, center_points)])
 
 
 def _block_runs(block: tuple[int, ...], parameters: int) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 A categorical parameter has no middle, so centre points are taken at each
 combination of the levels of the categorical parameters (pseudo-centre points).
+An integer or listed value rests at the allowed value nearest to the middle.
 """
 
 from __future__ import annotations
@@ -28,6 +29,6 @@ def center_points(
 
 def centers(space: Space, runs: int) -> np.ndarray:
     """`runs` centre points for each combination of categorical levels, (run, parameter)."""
-    choices = [p.coded_levels if p.categorical else (0.0,) for p in space.parameters]
+    choices = [p.coded_levels if p.categorical else p.snap([0.0]) for p in space.parameters]
     combinations = np.array(list(itertools.product(*choices)), dtype=float)
     return np.repeat(combinations, whole("center_points", runs, 0), axis=0)

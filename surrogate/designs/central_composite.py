@@ -41,7 +41,7 @@ def central_composite(
     continuous(space, "central_composite")
     corners = _corners(space, choice("cube", cube, CUBES))
     ratio = _ratio(alpha, *corners.shape)
-    return np.vstack([corners / ratio, star(space, 1.0), centers(space, center_points)])
+    return np.vstack([space.snap(corners / ratio), star(space, 1.0), centers(space, center_points)])
 
 
 def _corners(space: Space, cube: str) -> np.ndarray:

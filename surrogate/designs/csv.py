@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from surrogate.errors import DesignError, StudyError, nearest
+from surrogate.space.discrete import DiscreteLaw
 from surrogate.space.space import Parameter, Space
 
 #: Mistakes shown before the rest is only counted.
@@ -129,4 +130,12 @@ def _coded(parameter: Parameter, cell: str, where: str, mistakes: list[str]) -> 
             + "; change the point or the range"
         )
         return math.nan
-    return float(np.clip(parameter.encode(value), -1.0, 1.0))
+    law = parameter.distribution
+    if isinstance(law, DiscreteLaw) and not law.allows(value):
+        nearest_value = law.values[law.nearest(value)]
+        mistakes.append(
+            f"{where}: {parameter.name}: {cell} is not allowed ({law}); the nearest is "
+            f"{nearest_value:g}"
+        )
+        return math.nan
+    return float(np.clip(parameter.snap(parameter.encode(value)), -1.0, 1.0))

@@ -24,6 +24,8 @@ RIDGE = 1e-4
 TIE = 1e-5
 #: Passes over all coordinates, after which a start is taken as converged.
 PASSES = 60
+#: Of more allowed values than this, so many are candidates, evenly spaced.
+MOST = 25
 
 
 def d_optimal(
@@ -31,8 +33,8 @@ def d_optimal(
 ) -> np.ndarray:
     """`runs` points, coded (run, parameter), for `model`: linear, interactions or quadratic.
 
-    Continuous parameters take -1 and 1, and in a quadratic model also -0.5, 0, 0.5; levels
-    of categorical ones enter as effect-coded columns. The best of `starts` searches.
+    Continuous parameters take -1 and 1, and in a quadratic model also -0.5, 0, 0.5; integers
+    and listed values take their allowed values; levels of categorical ones enter as effect-coded columns. The best of `starts` searches.
     Raises `DesignError` when there are fewer runs than terms.
     """
     bounded(space, "d_optimal")
@@ -60,8 +62,7 @@ class Model:
     def __init__(self, space: Space, name: str):
         self.parameters = space.parameters
         self.name = name
-        continuous = np.linspace(-1.0, 1.0, 5) if name == "quadratic" else np.array([-1.0, 1.0])
-        self.values = [p.coded_levels if p.categorical else continuous for p in space.parameters]
+        self.values = [_candidates(p, 5 if name == "quadratic" else 2) for p in space.parameters]
         self.size = self.matrix(np.zeros((1, space.size))).shape[1]
 
     def matrix(self, coded: np.ndarray) -> np.ndarray:
@@ -75,9 +76,21 @@ class Model:
             ]
         if self.name == "quadratic":
             blocks += [
-                main**2 for p, main in zip(self.parameters, mains, strict=True) if not p.categorical
+                main**2
+                for values, p, main in zip(self.values, self.parameters, mains, strict=True)
+                if not p.categorical and len(values) > 2
             ]
         return np.hstack(blocks)
+
+
+def _candidates(parameter: Parameter, count: int) -> np.ndarray:
+    """Coded values that a parameter may take: levels, allowed values, or `count` even ones."""
+    if parameter.categorical:
+        return parameter.coded_levels
+    allowed = parameter.allowed
+    if allowed is None:
+        return np.linspace(-1.0, 1.0, count)
+    return allowed if len(allowed) <= MOST else np.unique(parameter.snap(np.linspace(-1, 1, MOST)))
 
 
 def _main_effects(parameter: Parameter, column: np.ndarray) -> np.ndarray:

@@ -22,7 +22,7 @@ def fold_over(
     are left out. Raises `DesignError` when nothing is left to add.
     """
     coded = np.atleast_2d(np.asarray(coded, dtype=float))
-    folded = np.where(_reversed_columns(space, parameter), -coded, coded)
+    folded = space.snap(np.where(_reversed_columns(space, parameter), -coded, coded))
     seen = {row.tobytes() for row in _rounded(coded)}
     new = np.array([row.tobytes() not in seen for row in _rounded(folded)], dtype=bool)
     if not new.any():

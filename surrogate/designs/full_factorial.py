@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pyDOE3
+from numpy.typing import NDArray
 
 from surrogate.designs.center_points import centers
 from surrogate.designs.requirements import affordable, bounded, whole
@@ -25,7 +26,8 @@ def full_factorial(
     """Every combination of evenly spaced levels, the first parameter changing fastest.
 
     levels: number of levels of each parameter, or of the named ones (the others get 2);
-    a categorical parameter always takes all of its own. Returns coded (run, parameter).
+    a categorical parameter always takes all of its own. Levels of integers and listed values
+    are allowed values, evenly spaced in their order. Returns coded (run, parameter).
     """
     bounded(space, "full_factorial")
     counts = _counts(space, levels)
@@ -35,9 +37,17 @@ def full_factorial(
         "use fractional_factorial, d_optimal or latin_hypercube",
     )
     index = pyDOE3.fullfact(counts).astype(int)
-    grids = [np.linspace(-1.0, 1.0, count) for count in counts]
+    grids = [_grid(p, count) for p, count in zip(space.parameters, counts, strict=True)]
     coded = np.column_stack([grid[index[:, j]] for j, grid in enumerate(grids)])
     return np.vstack([coded, centers(space, center_points)])
+
+
+def _grid(parameter: Parameter, count: int) -> NDArray[np.float64]:
+    """`count` coded levels of one parameter, from -1 to 1."""
+    allowed = parameter.allowed
+    if allowed is None:
+        return np.linspace(-1.0, 1.0, count)
+    return allowed[np.rint(np.linspace(0, len(allowed) - 1, count)).astype(int)]
 
 
 def _counts(space: Space, levels: Any) -> list[int]:
@@ -56,7 +66,14 @@ def _counts(space: Space, levels: Any) -> list[int]:
 
 def _count(parameter: Parameter, wanted: Any) -> int:
     if not parameter.categorical:
-        return whole(f"levels of {parameter.name}", 2 if wanted is None else wanted, 2)
+        count = whole(f"levels of {parameter.name}", 2 if wanted is None else wanted, 2)
+        allowed = parameter.allowed
+        if allowed is not None and count > len(allowed):
+            raise DesignError(
+                f"levels of {parameter.name}: {count} are more than its {len(allowed)} allowed "
+                f"values; give at most {len(allowed)}"
+            )
+        return count
     if wanted not in (None, len(parameter.levels)):
         raise DesignError(
             f"levels of {parameter.name}: {wanted!r} must be "

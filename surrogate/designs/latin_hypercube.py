@@ -43,19 +43,47 @@ def latin_hypercube(
                runs in random order); random: anywhere in the slices, in random order
     effort     how many times the usual number of exchanges maximin tries: 10 takes ten times
                as long and brings the points some per cent further apart
-    Correlated parameters keep their slices and take the rank correlation of the space.
+    Integers and listed values take what lies in the slices; maximin keeps the points apart as
+    they are taken. Correlated parameters keep their slices and take the rank correlation of
+    the space.
     """
     runs = checked(space, runs=runs, criterion=criterion, effort=effort)
     rng = np.random.default_rng(seed)
     ranks = rng.permuted(np.tile(np.arange(runs)[:, None], space.size), axis=0)
     if criterion == "maximin":
-        ranks, within = maximin(ranks, rng, effort), np.full(ranks.shape, 0.5)
+        ranks, within = _apart(space, ranks, rng, effort), np.full(ranks.shape, 0.5)
     else:
         within = rng.random(ranks.shape)
     if not space.independent:
         ranks = _correlated(space, (ranks + within) / runs, ranks)
     u = (ranks + within) / runs
     return np.column_stack([p.quantile(u[:, j]) for j, p in enumerate(space.parameters)])
+
+
+def _apart(
+    space: Space, ranks: NDArray[np.int64], rng: np.random.Generator, effort: float
+) -> NDArray[np.int64]:
+    """Ranks of points that lie far apart once integers and listed values have been taken.
+
+    Distances are then those of the middles of what falls on one value, and among points that
+    agree in all of them those of the ranks: position = `base` x middle + rank.
+    """
+    if all(p.allowed is None for p in space.parameters):
+        return maximin(ranks, rng, effort)
+    runs = len(ranks)
+    base = 2 * runs
+    positions = np.arange(runs)
+    taken = [p.quantile((positions + 0.5) / runs) for p in space.parameters]
+    lifted = np.column_stack([base * _middles(column) + positions for column in taken])
+    found = maximin(np.take_along_axis(lifted, ranks, axis=0), rng, effort)
+    return found % base
+
+
+def _middles(rising: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Twice the mean position of the equal values around each of `rising` (run,)."""
+    first = np.searchsorted(rising, rising, side="left")
+    last = np.searchsorted(rising, rising, side="right") - 1
+    return (first + last).astype(np.int64)
 
 
 def _correlated(space: Space, u: np.ndarray, ranks: np.ndarray) -> np.ndarray:

@@ -37,8 +37,8 @@ ROWS = 256
 def maximin(ranks: Ranks, rng: np.random.Generator, effort: float = 1.0) -> Ranks:
     """Ranks (run, parameter) of a Latin hypercube whose points lie far apart.
 
-    ranks: the integers 0..runs-1 in each column, in any order. effort: how many times the
-    usual number of exchanges. The search is bounded by exchanges, not by time, so that the
+    ranks: different integers in each column, 0..runs-1 or other positions. effort: how many
+    times the usual number of exchanges. The search is bounded by exchanges, not by time, so that the
     same generator gives the same search.
     """
     runs, parameters = ranks.shape

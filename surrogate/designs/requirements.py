@@ -43,7 +43,7 @@ def two_level(space: Space, method: str) -> None:
 
 
 def continuous(space: Space, method: str) -> None:
-    """Raise when a parameter is unbounded or categorical."""
+    """Raise when a parameter is unbounded, categorical, or has two allowed values only."""
     bounded(space, method)
     _refuse(
         [
@@ -52,6 +52,13 @@ def continuous(space: Space, method: str) -> None:
             "or sobol"
             for p in space.parameters
             if p.categorical
+        ]
+        + [
+            f"{p.name}: {method} needs a value between the ends, but this parameter takes only "
+            f"{p.decode(-1.0):g} and {p.decode(1.0):g}; use full_factorial, d_optimal, "
+            "latin_hypercube or sobol"
+            for p in space.parameters
+            if p.allowed is not None and len(p.allowed) == 2
         ]
     )
 

@@ -7,8 +7,10 @@ Sobol' 1967, direction numbers of Joe and Kuo 2008, scrambled after Owen 1995 / 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from surrogate.designs.different import different
 from surrogate.designs.requirements import affordable, whole
 from surrogate.space.space import Space
 
@@ -16,14 +18,20 @@ from surrogate.space.space import Space
 EDGE = 2.0**-32
 
 
-def sobol(space: Space, *, runs: int, seed: int | None = None) -> np.ndarray:
+def sobol(space: Space, *, runs: int, seed: int | None = None) -> NDArray[np.float64]:
     """`runs` scrambled points, coded (run, parameter), by the joint law of the space.
 
-    With the same seed, the points of a smaller design are the first of a larger one.
+    With the same seed, the points of a smaller design are the first of a larger one. Where all
+    parameters are integers, listed values or levels, points that stood before are left out.
     """
     runs = whole("runs", runs, 1)
     affordable(runs, "sobol", "lower runs")
-    engine = qmc.Sobol(space.size, scramble=True, seed=np.random.default_rng(seed))
-    # Drawn to the next power of two: the engine warns about other sizes.
-    u = engine.random_base2((runs - 1).bit_length())[:runs]
-    return space.quantile(np.clip(u, EDGE, 1.0 - EDGE))
+    generator = np.random.default_rng(seed)
+
+    def draw(points: int) -> NDArray[np.float64]:
+        engine = qmc.Sobol(space.size, scramble=True, seed=generator)
+        # Drawn to the next power of two: the engine warns about other sizes.
+        u = engine.random_base2((points - 1).bit_length())[:points]
+        return space.quantile(np.clip(u, EDGE, 1.0 - EDGE))
+
+    return different(space, draw, runs)

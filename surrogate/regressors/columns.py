@@ -2,7 +2,8 @@
 
 A numeric parameter is one column, its coded value. A categorical one with k levels
 is k - 1 effect-coded columns, one for each level but the first: 1 at that level,
--1 at the first, 0 elsewhere. With two levels this is the coded value itself.
+-1 at the first, 0 elsewhere. With two levels this is the coded value itself, so a number
+with two allowed values is such a column too: its square is the constant.
 """
 
 from __future__ import annotations
@@ -51,7 +52,9 @@ def columns_of(space: Space | None, size: int) -> tuple[Column, ...]:
 
 def _of_parameter(j: int, parameter: Parameter) -> list[Column]:
     if not parameter.categorical:
-        return [Column(j, parameter.name)]
+        allowed = parameter.allowed
+        two = allowed is not None and len(allowed) == 2
+        return [Column(j, parameter.name, level=1, levels=2) if two else Column(j, parameter.name)]
     return [
         Column(j, f"{parameter.name}[{level}]", index, len(parameter.levels))
         for index, level in enumerate(parameter.levels)

@@ -59,7 +59,10 @@ def basis(parameter: Parameter | None, degree: int) -> Basis:
     if parameter is None:
         x, w = np.polynomial.legendre.leggauss(degree + 1)
         return _stieltjes(x, w / 2.0, degree)
-    return _stieltjes(*parameter.quadrature(degree + 1), degree)
+    nodes, weights = parameter.quadrature(degree + 1)
+    if not parameter.continuous:  # k values carry polynomials up to degree k - 1
+        degree = min(degree, len(nodes) - 1)
+    return _stieltjes(nodes, weights, degree)
 
 
 def _stieltjes(x: np.ndarray, w: np.ndarray, degree: int) -> Basis:

@@ -37,7 +37,7 @@ def dgsm(
     u is a parameter's probability, so nu is in the square of the output's unit, over the
     parameter's whole range. The total index is at most `total_bound`: Poincare's inequality
     for the uniform law (doi 10.1016/j.matcom.2009.01.023). Raises `StudyError` for
-    categorical parameters and for surrogates with steps, which have no derivative.
+    categorical and discrete parameters and for surrogates with steps, which have no derivative.
     """
     one = model(fit, space, q2=q2)
     require_at_least(8, samples=samples)
@@ -78,10 +78,11 @@ def _star(u: Array, step: float) -> Array:
 def _require_derivatives(one: Model) -> None:
     """Refuse levels and steps: there the slope over a step does not settle as it shrinks."""
     for parameter in one.space.parameters:
-        if parameter.categorical:
+        if not parameter.continuous:
+            kind = "categorical" if parameter.categorical else f"discrete ({parameter.law})"
             raise StudyError(
                 f"sensitivity method dgsm needs derivatives, and {parameter.name} "
-                "is categorical; use method sobol or shapley"
+                f"is {kind}; use method sobol or shapley"
             )
     u = next(unit_blocks(one.space.size, 256, 256, np.random.default_rng(0)))
     slopes = []

@@ -102,7 +102,9 @@ def main_effects(
 
 def base_point(space: Space, base: Mapping[str, Any] | None = None) -> Array:
     """Coded point (d,) of physical values; a parameter not named rests in the middle."""
-    rest = np.array([p.coded_levels[0] if p.categorical else 0.0 for p in space.parameters])
+    rest = np.array(
+        [p.coded_levels[0] if p.categorical else float(p.snap(0.0)) for p in space.parameters]
+    )
     for name, value in (base or {}).items():
         rest[space.names.index(space[name].name)] = float(space[name].encode(value))
     return rest

@@ -6,14 +6,15 @@
     x* = 2 (x - min) / (max - min) - 1,
 
 an unbounded one by the probability transform x* = 2 F(x) - 1, and k levels lie
-evenly from -1 to 1. Dependent parameters are joined by a Gaussian copula.
+evenly from -1 to 1. Integers and listed values are coded by equation 8 too, so that a
+linear model means what it says, and decoded to the nearest allowed value. Dependent
+parameters are joined by a Gaussian copula.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -21,17 +22,25 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from surrogate.errors import StudyError, nearest
+from surrogate.space import quadrature
+from surrogate.space.discrete import DiscreteLaw
 from surrogate.space.distributions import Distribution
 
 Numbers = NDArray[np.float64]
 
+#: Sums run over all values of a discrete parameter up to this many, else over a Gauss rule.
+ALL_VALUES = 200
+
 
 @dataclass(frozen=True)
 class Parameter:
-    """One thing that varies: either a `distribution` in `unit`, or named `levels`."""
+    """One thing that varies: either a `distribution` in `unit`, or named `levels`.
+
+    A `DiscreteLaw` allows some values only: integers, or those of a list.
+    """
 
     name: str
-    distribution: Distribution | None = None
+    distribution: Distribution | DiscreteLaw | None = None
     levels: tuple[str, ...] = ()
     unit: str = ""
     description: str = ""
@@ -50,12 +59,36 @@ class Parameter:
         return bool(self.levels)
 
     @property
+    def allowed(self) -> Numbers | None:
+        """Coded allowed values, rising, (k,), of integers and listed values; else None."""
+        law = self.distribution
+        return self.encode(law.values) if isinstance(law, DiscreteLaw) else None
+
+    @property
+    def continuous(self) -> bool:
+        """True when every value between the ends is allowed."""
+        return isinstance(self.distribution, Distribution)
+
+    def snap(self, coded: ArrayLike) -> Numbers:
+        """Coded values, same shape, of the allowed values nearest to `coded`.
+
+        A parameter that is not discrete keeps them.
+        """
+        t = np.asarray(coded, dtype=float)
+        law = self.distribution
+        if not isinstance(law, DiscreteLaw):
+            return t
+        lower, upper = law.support
+        index = law.nearest(lower + 0.5 * (t + 1.0) * (upper - lower))
+        return self.encode(law.values)[index]
+
+    @property
     def bounded(self) -> bool:
         """True when coded -1 and 1 stand for finite values."""
         return self.categorical or self.law.bounded
 
     @property
-    def law(self) -> Distribution:
+    def law(self) -> Distribution | DiscreteLaw:
         """The distribution of a number; `StudyError` for named levels, which have none."""
         if self.distribution is None:
             raise StudyError(f"{self.name}: levels have no distribution")
@@ -70,12 +103,12 @@ class Parameter:
         """Coded values of physical ones, same shape; level names for a categorical one."""
         if self.categorical:
             return self._encode_levels(physical)
-        x = np.asarray(physical, dtype=float)
-        if self.bounded:
-            lower, upper = self.law.support
+        x, law = np.asarray(physical, dtype=float), self.law
+        if isinstance(law, DiscreteLaw) or self.bounded:
+            lower, upper = law.support
             return 2.0 * (x - lower) / (upper - lower) - 1.0
-        below = 2.0 * self.law.cdf(x) - 1.0
-        return np.where(below < 0.0, below, 1.0 - 2.0 * self.law.sf(x))
+        below = 2.0 * law.cdf(x) - 1.0
+        return np.where(below < 0.0, below, 1.0 - 2.0 * law.sf(x))
 
     def _encode_levels(self, physical: ArrayLike) -> Numbers:
         names = np.asarray(physical).astype(str)
@@ -89,16 +122,20 @@ class Parameter:
         return coded
 
     def decode(self, coded: ArrayLike) -> NDArray[Any]:
-        """Physical values of coded ones, same shape; the nearest level when categorical."""
+        """Physical values of coded ones, same shape; the nearest level or allowed value."""
         t = np.asarray(coded, dtype=float)
         if self.categorical:
             last = len(self.levels) - 1
             index = np.clip(np.rint((t + 1.0) / 2.0 * last), 0, last).astype(int)
             names: NDArray[Any] = np.asarray(self.levels)[index]
             return names
+        law = self.law
+        if isinstance(law, DiscreteLaw):
+            lower, upper = law.support
+            return np.asarray(law.values[law.nearest(lower + 0.5 * (t + 1.0) * (upper - lower))])
         if self.bounded:
             # Written about the nearer end so that -1 and 1 give the bounds to the last digit.
-            lower, upper = self.law.support
+            lower, upper = law.support
             return np.where(
                 t < 0.0,
                 lower + 0.5 * (t + 1.0) * (upper - lower),
@@ -106,8 +143,8 @@ class Parameter:
             )
         return np.where(
             t < 0.0,
-            self.law.ppf(np.clip((1.0 + t) / 2.0, 0.0, 1.0)),
-            self.law.isf(np.clip((1.0 - t) / 2.0, 0.0, 1.0)),
+            law.ppf(np.clip((1.0 + t) / 2.0, 0.0, 1.0)),
+            law.isf(np.clip((1.0 - t) / 2.0, 0.0, 1.0)),
         )
 
     def quantile(self, u: ArrayLike) -> Numbers:
@@ -123,77 +160,21 @@ class Parameter:
     def quadrature(self, order: int) -> tuple[Numbers, Numbers]:
         """Nodes (m,) in coded values and weights (m,) that sum to 1, for this parameter's law.
 
-        Sums over the levels when categorical; Gauss-Legendre in the coded value
-        where that is uniform and the Gauss rule of the law elsewhere, both exact to
-        polynomial degree 2 `order` - 1.
+        Sums over the levels when categorical, and over the allowed values of a discrete
+        parameter; Gauss-Legendre in the coded value where that is uniform and the Gauss
+        rule of the law elsewhere, both exact to polynomial degree 2 `order` - 1.
         """
         if self.categorical:
             return self.coded_levels, np.full(len(self.levels), 1.0 / len(self.levels))
-        nodes, weights = _legendre(order)
-        if not self.bounded or self.law.is_uniform:
+        law = self.law
+        if isinstance(law, DiscreteLaw):
+            if len(law.values) > max(order, ALL_VALUES):
+                return quadrature.gauss_rule(self.encode(law.values), law.probabilities, order)
+            return self.encode(law.values), law.probabilities
+        nodes, weights = quadrature.legendre(order)
+        if not self.bounded or law.is_uniform:
             return nodes, weights / 2.0
-        return _quadrature_of_law(self, order)
-
-
-@lru_cache(maxsize=64)
-def _legendre(order: int) -> tuple[Numbers, Numbers]:
-    """Gauss-Legendre nodes and weights on [-1, 1]."""
-    nodes, weights = special.roots_legendre(order)
-    nodes.setflags(write=False)
-    weights.setflags(write=False)
-    return nodes, weights
-
-
-@lru_cache(maxsize=256)
-def _legendre(order: int) -> tuple[Numbers, Numbers]:
-    """Nodes and weights of Gauss and Legendre's rule on [-1, 1]."""
-    nodes, weights = special.roots_legendre(order)
-    for array in (nodes, weights):
-        array.setflags(write=False)  # they are shared by all who ask
-    return nodes, weights
-
-
-@lru_cache(maxsize=256)
-def _quadrature_of_law(parameter: Parameter, order: int) -> tuple[Numbers, Numbers]:
-    """Gauss rule of a parameter's coded law, from Gauss-Legendre panels of the probability.
-
-    The panels halve towards probability 0 and 1, so that narrow laws, long tails and
-    densities without a bound are resolved as well as flat ones.
-    """
-    law = parameter.law
-    breaks = np.union1d(np.append(0.0, 0.5 ** np.arange(48.0, 0.0, -1.0)), _kinks(law))
-    x, w = _legendre(max(16, order))
-    half = np.diff(breaks)[:, None] / 2.0
-    tail = (breaks[:-1, None] + half + half * x).ravel()
-    mass = np.tile((half * w).ravel(), 2)
-    fine = parameter.encode(np.concatenate([law.ppf(tail), law.isf(tail)]))
-    rule = _gauss_rule(fine, mass / mass.sum(), order)
-    for array in rule:
-        array.setflags(write=False)  # they are shared by all who ask
-    return rule
-
-
-def _kinks(law: Distribution) -> Numbers:
-    """Tail probabilities at which the density is not smooth: at the mode of a triangle."""
-    mode = dict(law.words).get("mode")
-    return np.array([]) if mode is None else np.minimum(law.cdf([mode]), law.sf([mode]))
-
-
-def _gauss_rule(x: Numbers, w: Numbers, order: int) -> tuple[Numbers, Numbers]:
-    """Gauss rule of a discrete measure by Lanczos / Golub and Welsch 1969.
-
-    x, w: nodes and weights of the measure, shape (m,); returns `order` of them.
-    """
-    alpha, beta = np.zeros(order), np.zeros(order)
-    before, now = np.zeros_like(x), np.ones_like(x) / np.sqrt(w.sum())
-    for k in range(order):
-        alpha[k] = (w * now * now * x).sum()
-        after = (x - alpha[k]) * now - (beta[k - 1] * before if k else 0.0)
-        beta[k] = np.sqrt((w * after * after).sum())
-        before, now = now, after / beta[k]
-    jacobi = np.diag(alpha) + np.diag(beta[:-1], 1) + np.diag(beta[:-1], -1)
-    nodes, vectors = np.linalg.eigh(jacobi)
-    return nodes, vectors[0] ** 2
+        return quadrature.of_law(law, order)
 
 
 @dataclass(frozen=True)
@@ -249,6 +230,14 @@ class Space:
         coded = self._points(coded)
         return {p.name: p.decode(coded[:, j]) for j, p in enumerate(self.parameters)}
 
+    def snap(self, coded: ArrayLike) -> Numbers:
+        """Coded points (run, parameter) of the nearest allowed values.
+
+        Only integers and listed values move.
+        """
+        coded = self._points(coded)
+        return np.column_stack([p.snap(coded[:, j]) for j, p in enumerate(self.parameters)])
+
     def quantile(self, u: ArrayLike) -> Numbers:
         """Coded points (run, parameter) of independent uniform numbers in (0, 1).
 
@@ -266,8 +255,13 @@ class Space:
         return self.quantile(np.random.default_rng(seed).random((runs, self.size)))
 
     def contains(self, coded: ArrayLike) -> NDArray[np.bool_]:
-        """Which coded points (run, parameter) lie in [-1, 1] throughout; shape (run,)."""
-        return np.asarray((np.abs(self._points(coded)) <= 1.0 + 1e-9).all(axis=1))
+        """Which coded points (run, parameter) the space allows, shape (run,).
+
+        They lie in [-1, 1] throughout, and integers and listed values are allowed ones.
+        """
+        coded = self._points(coded)
+        inside = np.abs(coded) <= 1.0 + 1e-9
+        return np.asarray((inside & (np.abs(coded - self.snap(coded)) <= 1e-9)).all(axis=1))
 
     def _points(self, values: ArrayLike) -> Numbers:
         values = np.atleast_2d(np.asarray(values, dtype=float))

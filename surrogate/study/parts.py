@@ -47,6 +47,17 @@ Texts = Annotated[
 ]
 
 
+def _names_only(value: Any) -> Any:
+    if isinstance(value, list | tuple) and value and all(_is_number(one) for one in value):
+        shown = ", ".join(f"{one:g}" for one in value)
+        raise ValueError(f"levels are names; for numbers write values: [{shown}]")
+    return value
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
 class Part(BaseModel):
     """A mapping of a study file that takes only the keys it names."""
 
@@ -77,7 +88,7 @@ class SolverPart(Part):
 
 
 class ParameterPart(OpenPart):
-    """What varies: a range, a distribution with its words, or levels."""
+    """What varies: a range, a distribution with its words, values, or levels."""
 
     range: tuple[Number, Number] | None = Field(None, description="Smallest and largest value.")
     distribution: str | None = Field(
@@ -85,7 +96,14 @@ class ParameterPart(OpenPart):
         description="uniform, normal, lognormal, triangular "
         "or a continuous scipy.stats name; a range truncates it.",
     )
-    levels: tuple[str, ...] | None = Field(None, description="Names, for a categorical input.")
+    integer: bool = Field(False, description="Whole numbers of the range only.")
+    values: tuple[Number, ...] | None = Field(
+        None, description="The only values of an ordered quantity, such as sizes in a catalogue."
+    )
+    levels: Annotated[
+        tuple[str, ...] | None,
+        BeforeValidator(_names_only, json_schema_input_type=tuple[str, ...] | None),
+    ] = Field(None, description="Names, for a categorical input.")
     unit: str | None = Field(None, description="Converted to the solver's unit.")
 
     @model_validator(mode="before")

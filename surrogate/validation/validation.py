@@ -14,6 +14,7 @@ from surrogate.fitting.fit import Fit
 from surrogate.runs.identity import RunInputs, SolverSpec, run_inputs
 from surrogate.solver import Solver
 from surrogate.space import units
+from surrogate.space.discrete import DiscreteLaw
 from surrogate.space.space import Parameter, Space
 from surrogate.validation.agreement import FIGURES, agreement
 from surrogate.validation.cases import Cases
@@ -121,12 +122,17 @@ def _outside(space: Space, columns: Mapping[str, np.ndarray]) -> list[str]:
 def _within(parameter: Parameter, value: Any) -> bool:
     if parameter.categorical:
         return value in parameter.levels
+    law = parameter.distribution
+    if isinstance(law, DiscreteLaw):
+        return bool(law.allows(value))
     return bool(np.abs(parameter.encode(value)) <= 1.0 + 1e-9)
 
 
 def _off(parameter: Parameter, value: Any) -> str:
     if parameter.distribution is None:
         return f"{parameter.name} {value} (not {', '.join(parameter.levels)})"
+    if isinstance(parameter.distribution, DiscreteLaw):
+        return f"{parameter.name} {value:.4g} {parameter.unit} (not {parameter.distribution})"
     low, high = parameter.distribution.support
     return f"{parameter.name} {value:.4g} {parameter.unit}".rstrip() + f" ({low:.4g} to {high:.4g})"
 

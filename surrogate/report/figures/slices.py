@@ -34,6 +34,8 @@ def sweep(parameter: Parameter) -> np.ndarray:
     """Coded places along one parameter; the middle 98 % of an unbounded one."""
     if parameter.categorical:
         return parameter.coded_levels
+    if parameter.allowed is not None and len(parameter.allowed) <= POINTS:
+        return parameter.allowed
     reach = 1.0 if parameter.bounded else 0.98
     return np.linspace(-reach, reach, POINTS)
 

@@ -7,6 +7,7 @@ import numpy as np
 from surrogate.report import digits
 from surrogate.report.blocks import Block, Cell, Section, Table, Text, heads
 from surrogate.report.content import Content
+from surrogate.space.discrete import DiscreteLaw
 from surrogate.space.distributions import Distribution
 from surrogate.space.space import Parameter
 
@@ -62,7 +63,9 @@ def _row(parameter: Parameter, described: bool) -> tuple[Cell, ...]:
     )
 
 
-def _law(law: Distribution) -> str:
+def _law(law: Distribution | DiscreteLaw) -> str:
+    if isinstance(law, DiscreteLaw):
+        return str(law)
     words = dict(law.words)
     name = words.pop("distribution")
     bounds = words.pop("range", None)

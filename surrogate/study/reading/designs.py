@@ -125,7 +125,7 @@ def _points(
             f"'{name}' gave an array of shape {coded.shape}; it must give coded "
             f"points (run, {space.size}), one column a parameter, all finite"
         )
-    return coded
+    return space.snap(coded)
 
 
 def _method(

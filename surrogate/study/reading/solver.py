@@ -12,6 +12,7 @@ from surrogate.runs.identity import SolverSpec
 from surrogate.runs.names import name_mistakes
 from surrogate.solver import Input, Output, Solver
 from surrogate.space import laws, units
+from surrogate.space.discrete import integers, listed
 from surrogate.space.distributions import UNBOUNDED, distribution
 from surrogate.space.space import Parameter, Space
 from surrogate.stages.plugin import call
@@ -127,8 +128,9 @@ def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
         for word, value in part.options.items()
         if word in accepted and (isinstance(value, bool) or not isinstance(value, int | float))
     ]
-    if part.range is None and part.distribution is None and not mistakes:
-        mistakes.append("give a range [smallest, largest] or a distribution")
+    mistakes += _contradictions(part)
+    if part.range is None and part.distribution is None and part.values is None and not mistakes:
+        mistakes.append("give a range [smallest, largest], values or a distribution")
     if mistakes:
         raise StudyError(*mistakes)
     words = {
@@ -141,6 +143,13 @@ def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
         )(value)
         for word, value in part.options.items()
     }
+    if part.values is not None or part.integer:
+        if part.values is not None:
+            few = listed(map(convert.place, part.values), kind, **words)
+        else:
+            few = integers(part.range or UNBOUNDED, kind, convert=convert, **words)
+        _check_accepted(few.support, taken)
+        return Parameter(name, few, unit=taken.unit, description=taken.description)
     if part.range is None:
         limits = UNBOUNDED
     else:
@@ -154,6 +163,18 @@ def _parameter(name: str, part: ParameterPart, taken: Input) -> Parameter:
     law = distribution(kind, range=limits, **words)
     _check_accepted(law.support, taken)
     return Parameter(name, law, unit=taken.unit, description=taken.description)
+
+
+def _contradictions(part: ParameterPart) -> list[str]:
+    """Sentences about keys of a discrete parameter that do not go together."""
+    found = []
+    if part.values is not None and part.range is not None:
+        found.append("give values or a range, not both; values say which numbers are allowed")
+    if part.values is not None and part.integer:
+        found.append("integer: true belongs to a range; values say which numbers are allowed")
+    elif part.integer and part.range is None:
+        found.append("integer: true needs a range: [smallest, largest]")
+    return found
 
 
 def _check_accepted(support: tuple[float, float], taken: Input) -> None:
@@ -184,7 +205,7 @@ def _categorical(name: str, part: ParameterPart, taken: Input) -> Parameter:
     if not taken.levels:
         raise StudyError(
             f"levels are for named choices, but the solver takes a number "
-            f"({taken.unit or 'no unit'}) here; give a range"
+            f"({taken.unit or 'no unit'}) here; give a range or values"
         )
     if not part.levels:
         raise StudyError(f"the solver takes names here; give levels: [{', '.join(taken.levels)}]")
