@@ -38,8 +38,8 @@ def maximin(ranks: Ranks, rng: np.random.Generator, effort: float = 1.0) -> Rank
     """Ranks (run, parameter) of a Latin hypercube whose points lie far apart.
 
     ranks: different integers in each column, 0..runs-1 or other positions. effort: how many
-    times the usual number of exchanges. The search is bounded by exchanges, not by time, so that the
-    same generator gives the same search.
+    times the usual number of exchanges. The search is bounded by exchanges, not by time, so
+    that the same generator gives the same search.
     """
     runs, parameters = ranks.shape
     if runs < 3 or parameters < 2 or runs > LARGEST:

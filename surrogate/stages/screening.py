@@ -10,6 +10,7 @@ import xarray as xr
 
 from surrogate.sensitivity.screening import Screening, decide
 from surrogate.solver import Solver
+from surrogate.space.discrete import DiscreteLaw
 from surrogate.space.space import Parameter, Space
 from surrogate.stages.fits import Fits
 from surrogate.stages.sensitivity import SensitivityMethod, analysed
@@ -36,6 +37,8 @@ def nominal_values(space: Space, solver: Solver) -> dict[str, float | str]:
 def _holds(parameter: Parameter, value: float | str) -> bool:
     if parameter.distribution is None:
         return value in parameter.levels
+    if isinstance(parameter.distribution, DiscreteLaw):
+        return bool(parameter.distribution.allows(value))
     low, high = parameter.distribution.support
     return low <= float(value) <= high
 
