@@ -35,7 +35,8 @@ def d_optimal(
 
     Continuous parameters take -1 and 1, and in a quadratic model also -0.5, 0, 0.5; integers
     and listed values take their allowed values; levels of categorical ones enter as
-    effect-coded columns. The best of `starts` searches. Raises `DesignError` when there are fewer runs than terms.
+    effect-coded columns. The best of `starts` searches. Raises `DesignError` when
+    there are fewer runs than terms.
     """
     bounded(space, "d_optimal")
     runs, starts = whole("runs", runs, 1), whole("starts", starts, 1)
