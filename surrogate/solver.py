@@ -18,10 +18,11 @@ inheritance: ::
 A study calls the class with the study's solver options and then the instance
 once a run, by keyword, in the units that `inputs` states.
 
-Three more attributes are optional: `deterministic = False` says that the same inputs
+Four more attributes are optional: `deterministic = False` says that the same inputs
 may give another answer, so that replicates are run; `identity_options` is the
 mapping of those options that change answers, when some do not (a time limit);
-`constraints` is a tuple of `Constraint`, where the ranges of the inputs hang on each other.
+`constraints` is a tuple of `Constraint`, where the ranges of the inputs hang on each other;
+`told = True` says that it is never called, because its answers are told (`surrogate.Campaign`).
 """
 
 from __future__ import annotations

@@ -2,35 +2,23 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
 
-from surrogate.errors import StudyError, nearest
-from surrogate.space import units
+from surrogate.errors import StudyError
 
+from .. import declared
 from . import process, templates
-from .options import (
-    Csv,
-    InputOptions,
-    Options,
-    OutputOptions,
-    Table,
-    arguments,
-    files,
-    inputs,
-    program,
-    seconds,
-)
+from .options import Csv, Options, OutputOptions, Table, arguments, files, program, seconds
 
 
 def mistakes(options: Options, folder: Path, texts: Mapping[str, str]) -> Iterable[str]:
     """What is wrong beyond types; texts: template's path -> contents (those that were read)."""
     yield from _command_mistakes(options, folder)
     yield from _timeout_mistakes(options.timeout)
-    for name, given in options.inputs.items():
-        yield from _input_mistakes(name, given)
+    yield from declared.input_mistakes(options.inputs)
+    yield from declared.output_mistakes(options.outputs)
     for name, output in options.outputs.items():
         yield from _output_mistakes(name, output)
     yield from _file_mistakes(options, folder)
@@ -64,35 +52,8 @@ def _timeout_mistakes(timeout: float | str | None) -> Iterable[str]:
         yield from error.mistakes
 
 
-def _input_mistakes(name: str, given: InputOptions) -> Iterable[str]:
-    if not name.isidentifier():
-        yield f"inputs.{name}: a name has letters, digits and _ only"
-    yield from _unit_mistakes(f"inputs.{name}", given.unit)
-    low, high = given.range
-    if given.levels:
-        if math.isfinite(low) or math.isfinite(high):
-            yield f"inputs.{name}: give either range or levels, not both"
-        if given.nominal is not None and given.nominal not in given.levels:
-            yield (
-                f"inputs.{name}.nominal: {given.nominal!r} is not a level; "
-                f"{nearest(str(given.nominal), given.levels)}"
-            )
-    elif not low < high:
-        yield f"inputs.{name}.range: [{low:g}, {high:g}] is upside down; write [smallest, largest]"
-    elif isinstance(given.nominal, str):
-        yield f"inputs.{name}.nominal: {given.nominal!r} is not a number; or give levels"
-    elif given.nominal is not None and not low <= given.nominal <= high:
-        yield (f"inputs.{name}.nominal: {given.nominal:g} lies outside range [{low:g}, {high:g}]")
-
-
-def _unit_mistakes(where: str, unit: str) -> Iterable[str]:
-    if not units.known(unit):
-        yield f"{where}.unit: '{unit}' is not a unit; write for instance mm, N/mm, kPa or mmHg"
-
-
 def _output_mistakes(name: str, given: OutputOptions) -> Iterable[str]:
     where = f"outputs.{name}"
-    yield from _unit_mistakes(where, given.unit)
     readers = [
         word for word in ("regex", "pointer", "csv", "table") if getattr(given, word) is not None
     ]
@@ -104,11 +65,6 @@ def _output_mistakes(name: str, given: OutputOptions) -> Iterable[str]:
     for reader in (given.csv, given.table):
         if reader is not None:
             yield from _column_mistakes(where, reader, bool(given.dims))
-    for dim, coordinates in given.dims.items():
-        if not dim.isidentifier() or dim == name:
-            yield f"{where}.dims: '{dim}' must be a name of its own, of letters, digits and _"
-        if coordinates == [] or (isinstance(coordinates, int) and coordinates < 1):
-            yield f"{where}.dims.{dim}: needs at least one coordinate"
     if given.file is not None:
         yield from _place_mistakes(f"{where}.file", given.file)
 
@@ -173,7 +129,7 @@ def _placeholder_mistakes(options: Options, texts: Mapping[str, str]) -> Iterabl
         placeholder = templates.pattern(options.delimiters)
     except StudyError:
         return  # said already
-    known = inputs(options)
+    known = declared.inputs(options.inputs)
     used: set[str] = set()
     for where, text in [*texts.items(), *words]:
         used |= templates.names(text, placeholder)

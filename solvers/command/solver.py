@@ -34,6 +34,8 @@ import numpy as np
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.solver import Input
 
+from .. import declared
+from ..validated import placed, validated
 from . import checks, process, readers, written
 from . import options as settings
 from . import templates as placeholders
@@ -89,17 +91,19 @@ class Command:
             "keep": keep,
             "program_version": program_version,
         }
-        self.options, mistakes = settings.validated(
-            {option: value for option, value in given.items() if value is not None}
+        self.options, mistakes = validated(
+            settings.Options,
+            {option: value for option, value in given.items() if value is not None},
+            settings.PARTS,
         )
         self.folder = Path(folder or ".").resolve()
         self.texts, unreadable = _texts(self.options.templates.values(), self.folder)
         mistakes += [*unreadable, *checks.mistakes(self.options, self.folder, self.texts)]
         if mistakes:
-            raise StudyError(*(settings.placed(sentence, given) for sentence in mistakes))
+            raise StudyError(*(placed(sentence, given) for sentence in mistakes))
         self.timeout = settings.seconds(self.options.timeout)
-        self.inputs = settings.inputs(self.options)
-        self.outputs = settings.outputs(self.options)
+        self.inputs = declared.inputs(self.options.inputs)
+        self.outputs = declared.outputs(self.options.outputs)
         self.version = _version(self.options, self.folder, self.texts)
         self.identity_options: dict[str, Any] = {}  # the version covers all that change answers
 

@@ -14,7 +14,8 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 from surrogate.errors import SolverError, StudyError
 from surrogate.solver import Input, Output
 
-from ..command.options import InputOptions, seconds
+from ..command.options import seconds
+from ..declared import DeclaredInput
 from .client import Client
 
 
@@ -30,7 +31,7 @@ class OutputOptions(BaseModel):
     dims: dict[str, list[float] | int] = {}
 
 
-Inputs = Sequence[Mapping[str, InputOptions]]
+Inputs = Sequence[Mapping[str, DeclaredInput]]
 Outputs = Sequence[Mapping[str, OutputOptions]]
 
 
@@ -63,7 +64,7 @@ class UMBridge:
         retries: int = 2,
         model_version: str = "",
     ):
-        self._in: Inputs = _vectors("inputs", inputs, InputOptions)
+        self._in: Inputs = _vectors("inputs", inputs, DeclaredInput)
         self._out: Outputs = _vectors("outputs", outputs, OutputOptions)
         if urlsplit(url).scheme not in ("http", "https") or not urlsplit(url).hostname:
             raise StudyError(f"url: '{url}' is no address; write http://localhost:4242")

@@ -112,7 +112,7 @@ def analyse(
     """
     runs = study.stored(folder) if runs is None else runs
     if (runs["status"] == "missing").all():
-        raise ResultsError(f"{folder} holds no runs of this study; do `surrogate run` first")
+        raise ResultsError(_no_runs(study, folder))
     stages = walk(study, folder, runs, workers=workers, progress=steps)
     try:
         fresh = stages.write(again=["report"] if again else [])
@@ -154,19 +154,30 @@ def validate(study: Study, folder: Path, cases: Path | None = None) -> tuple[xr.
     lost = list(fits.not_done)
     assert table is not None  # there are cases
     if not table.sizes["model"]:
-        raise ResultsError(_nothing_beside(table, runs, folder, lost))
+        raise ResultsError(_nothing_beside(study, table, runs, folder, lost))
     table.attrs["notes"] = "\n".join(filter(None, [table.attrs["notes"], *lost]))
     name = "validation" if cases is None else f"validation_{cases.stem}"
     rundata.save(table, folder / f"{name}.nc")
     return table, study.validation_page(runs, table).save(folder / f"{name}.html")
 
 
-def _nothing_beside(table: xr.Dataset, runs: xr.Dataset, folder: Path, lost: list[str]) -> str:
+def _no_runs(study: Study, folder: Path) -> str:
+    first = (
+        "tell some answers (Python: surrogate.Campaign)"
+        if study.spec.told
+        else "do `surrogate run`"
+    )
+    return f"{folder} holds no runs of this study; {first} first"
+
+
+def _nothing_beside(
+    study: Study, table: xr.Dataset, runs: xr.Dataset, folder: Path, lost: list[str]
+) -> str:
     """Why nothing stands beside the cases."""
     if not table["inside"].any():
         return f"every case lies outside of the parameters' ranges: {table['outside'].values[0]}"
     if (runs["status"] == "missing").all():
-        return f"{folder} holds no runs of this study; do `surrogate run` first"
+        return _no_runs(study, folder)
     return "\n".join(["there is no surrogate or model to set beside the cases", *lost])
 
 

@@ -78,7 +78,7 @@ def check(study: Study, results: Path) -> Page:
         "stored": rundata.described(stored, "stored"),
         "unused": study.unused,
         "damaged": rundata.described(stored, "damaged"),
-        "seconds_left": rundata.seconds_left(stored, study.workers, unfound),
+        "seconds_left": _seconds_left(study, stored, unfound),
     }
     return Page(data, parts)
 
@@ -99,13 +99,25 @@ def _surrogate_line(study: Study) -> str:
     return f"surrogates: {', '.join(named) or 'none'}"
 
 
+def _seconds_left(study: Study, stored: xr.Dataset, unfound: int) -> float | None:
+    """Estimated time of the runs to do; None when unknown, as of answers that are told."""
+    if study.spec.told:
+        return None
+    return rundata.seconds_left(stored, study.workers, unfound)
+
+
 def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int], unfound: int) -> str:
     total, left = sum(counts.values()), counts["missing"]
     files = rundata.described(stored, "stored")
     from_files = f" ({', '.join(f'{n} in {name}' for name, n in files.items())})" * bool(files)
     if not left:
         return f"runs: all {total} are stored{from_files}; nothing is left to run"
-    seconds = rundata.seconds_left(stored, study.workers, unfound)
+    if study.spec.told:
+        return (
+            f"runs: {total}, of which {total - left} are told{from_files}; {left} wait for their "
+            "answers (Python: surrogate.Campaign)"
+        )
+    seconds = _seconds_left(study, stored, unfound)
     time = (
         "time unknown until the first run is done"
         if seconds is None
@@ -154,7 +166,7 @@ def status(study: Study, results: Path) -> Page:
             "unused": study.unused,
             "damaged": rundata.described(stored, "damaged"),
             "fresh": waiting,
-            "seconds_left": rundata.seconds_left(stored, study.workers, unfound),
+            "seconds_left": _seconds_left(study, stored, unfound),
         },
         parts,
     )

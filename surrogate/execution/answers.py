@@ -59,16 +59,23 @@ def evaluate(solver: Solver, call: Mapping[str, Any], wanted: Mapping[str, Outpu
         return _failed(describe(error), start, answered=False)
     seconds = time.perf_counter() - start
     try:
-        values = {name: check(name, output, result) for name, output in wanted.items()}
+        return Outcome("ok", "", seconds, *accepted(result, wanted))
     except ValueError as error:
         return _failed(str(error), start)
-    scalars = {name: float(value) for name, value in values.items() if not wanted[name].dims}
-    fields = {name: value for name, value in values.items() if wanted[name].dims}
-    return Outcome("ok", "", seconds, scalars, fields)
 
 
 def _failed(message: str, start: float, answered: bool = True) -> Outcome:
     return Outcome("failed", message, time.perf_counter() - start, answered=answered)
+
+
+def accepted(
+    result: Any, wanted: Mapping[str, Output]
+) -> tuple[dict[str, float], dict[str, NDArray[np.float64]]]:
+    """The scalars and the arrays of an answer; raises `ValueError` when it cannot be used."""
+    values = {name: check(name, output, result) for name, output in wanted.items()}
+    scalars = {name: float(value) for name, value in values.items() if not wanted[name].dims}
+    fields = {name: value for name, value in values.items() if wanted[name].dims}
+    return scalars, fields
 
 
 def check(name: str, output: Output, result: Any) -> NDArray[np.float64]:

@@ -208,11 +208,7 @@ def _record(
     retries: int,
 ) -> None:
     """Write what `place` gives into the journal; put failed runs back while they may."""
-    described = {
-        "solver": spec.name,
-        "version": str(spec.solver.version),
-        "options": spec.plain_options,
-    }
+    described = spec.described
     with closing(place.results(queue, stop)) as source:
         for event in source:
             if stop.finish and tally.now.finishing is None:

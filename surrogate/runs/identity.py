@@ -51,6 +51,20 @@ class SolverSpec:
         return bool(getattr(self.solver, "deterministic", True))
 
     @property
+    def told(self) -> bool:
+        """True when the solver is never called: its answers are told (`surrogate.Campaign`)."""
+        return bool(getattr(self.solver, "told", False))
+
+    @property
+    def described(self) -> dict[str, Any]:
+        """Name, version and options as a record of the journal keeps them."""
+        return {
+            "solver": self.name,
+            "version": str(self.solver.version),
+            "options": self.plain_options,
+        }
+
+    @property
     def context(self) -> str:
         """Name, version and options as canonical JSON: all of a run's identity but its inputs.
 

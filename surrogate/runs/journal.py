@@ -187,7 +187,7 @@ class Journal:
     ) -> None:
         try:
             with suppress(ResultsError) if error else nullcontext():
-                self._sync()
+                self.flush()
         finally:
             self._records.close()
             self._fields.close()
@@ -232,9 +232,10 @@ class Journal:
             raise _trouble(self.folder, error) from error
         since = self._unsynced_since
         if since is not None and time.monotonic() - since >= SYNC_SECONDS:
-            self._sync()
+            self.flush()
 
-    def _sync(self) -> None:
+    def flush(self) -> None:
+        """Force all appends onto the disk."""
         try:
             self._fields.sync()
             self._records.sync()

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.designs.design import Design
+from surrogate.errors import StudyError
 from surrogate.execution.execute import Progress, execute
 from surrogate.execution.fresh import execute_fresh
 from surrogate.runs import stored as storing
@@ -144,8 +145,16 @@ class AskedRuns:
     ) -> None:
         """Do the runs that neither journal, nor neighbours, nor stored files have.
 
-        fresh: all of them, taking nothing over. The other words are those of `execute`.
+        fresh: all of them, taking nothing over. The other words are those of `execute`. Of a
+        solver whose answers are told none is done; raises `StudyError` for `fresh` then.
         """
+        if self.spec.told:
+            if fresh:
+                raise StudyError(
+                    f"the answers of {self.spec.name} are told, so no run can be done afresh; "
+                    "change its version to ask for all of them again"
+                )
+            return
         keep(self.designs, self.folder)
         how: dict[str, Any] = {
             "journal": self.journal,

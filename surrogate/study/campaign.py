@@ -1,0 +1,293 @@
+"""A study that is driven from outside: ask for points, tell their answers.
+
+::
+
+    with surrogate.Campaign("hardness.yaml") as campaign:
+        for point in campaign.ask(4):
+            campaign.tell(point, {"hardness": measure(**point.inputs)})
+
+A laboratory, a queue of jobs or somebody else's optimiser does the runs. Answers go into the
+study's journal under the identities that `surrogate run` uses, so that `status`, `report` and
+all that follows see them, and nothing told is lost whenever the program ends.
+"""
+
+from __future__ import annotations
+
+import time
+import weakref
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from surrogate.errors import StudyError, nearest
+from surrogate.execution.answers import accepted
+from surrogate.runs.assembly import physical_columns
+from surrogate.runs.identity import RunInputs
+from surrogate.runs.journal import Journal
+from surrogate.runs.record import Record
+from surrogate.runs.stored import KnownRuns
+from surrogate.study.kept_designs import keep
+from surrogate.study.study import Study
+
+#: Inputs that differ by less than this share of the designs' largest value are one input.
+SAME = 1e-9
+
+
+@dataclass(frozen=True)
+class Point:
+    """A run that the study asks for.
+
+    key     its identity: tells the run from all others, also in a file or another process
+    design  the (first) design that it belongs to
+    inputs  a value for every input of the solver, in the solver's units
+    """
+
+    key: str
+    design: str
+    inputs: Mapping[str, float | str]
+
+
+class Campaign:
+    """The study's runs, handed out by `ask` and answered by `tell`.
+
+    study    a `Study`, or the path of its file
+    results  the study's results folder, as in `Study.run`
+
+    It holds the lock of the journal until `close` (or the end of `with`, or of the process,
+    however it ends): a second writer gets a sentence, readers may read. Raises `StudyError`
+    for a study with mistakes, `ResultsError` when the folder is in use or takes no files.
+    """
+
+    def __init__(self, study: Study | str | Path, *, results: Path | str | None = None):
+        self.study = study if isinstance(study, Study) else Study.from_yaml(study)
+        self._runs = self.study.asked(None if results is None else Path(results))
+        self._wanted = self.study.spec.wanted(self.study.outputs)
+        keep(self._runs.designs, self._runs.folder)
+        self._journal = Journal(self._runs.journal).__enter__()
+        self._end = weakref.finalize(self, self._journal.__exit__, None, None, None)
+        known = KnownRuns(self._journal.contents, self._runs.given, self._wanted).records
+        done = {key for key, one in known.items() if one.answers(self._wanted) and not one.lost}
+        self._open = {key: point for key, point in self._points.items() if key not in done}
+        self._handed_out: set[str] = set()
+
+    def __enter__(self) -> Campaign:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give the folder free; what was told is kept, what was handed out is asked for again."""
+        self._end()
+
+    @property
+    def left(self) -> int:
+        """Number of points that have no answer yet, those handed out included."""
+        return len(self._open)
+
+    def ask(self, n: int = 1) -> list[Point]:
+        """The next `n` points without an answer, in the order of the designs; fewer at the end.
+
+        This campaign hands out no point twice. After a restart, points that were handed out
+        and have no answer are handed out again.
+        """
+        if n < 1:
+            raise StudyError(f"n: {n} must be 1 or more")
+        waiting = (one for key, one in self._open.items() if key not in self._handed_out)
+        points = list(islice(waiting, n))
+        self._handed_out.update(point.key for point in points)
+        return points
+
+    def tell(
+        self,
+        points: Point | str | Mapping[str, Any] | Sequence[Point | str | Mapping[str, Any]],
+        outputs: Mapping[str, Any] | Sequence[Mapping[str, Any]] | None = None,
+        *,
+        failed: str | None = None,
+        seconds: float = 0.0,
+    ) -> None:
+        """Write down the answers of a point, or of a list of points, in any order.
+
+        points   what `ask` gave, their keys, or mappings of input names to values in the
+                 solver's units; nobody need have asked for them, but they lie in a design
+        outputs  output name -> value, in the solver's units; a list of these for a list
+        failed   in place of outputs: why there is no answer
+        seconds  how long a point took, for the runs dataset
+
+        The last answer of a point counts. What is told is on the disk when the call returns.
+        Raises `StudyError` with all mistakes, and then nothing is written down; `ResultsError`
+        when the disk takes no more.
+        """
+        several = not isinstance(points, Point | str | Mapping)
+        given: list[Any] = [points] if isinstance(points, Point | str | Mapping) else list(points)
+        answers = self._answers(given, outputs, failed, several)
+        mistakes: list[str] = []
+        told: dict[str, tuple[Record, dict[str, NDArray[np.float64]]]] = {}
+        for number, (one, answer) in enumerate(zip(given, answers, strict=True), start=1):
+            try:
+                point = self._found(one, told)
+                told[point.key] = self._record(point, answer, failed, seconds)
+            except StudyError as error:
+                where = f"point {number}: " if several else ""
+                mistakes += [where + sentence for sentence in error.mistakes]
+        if mistakes:
+            raise StudyError(*mistakes)
+        for record, fields in told.values():
+            self._journal.append(record, fields)
+            self._open.pop(record.key, None)
+        self._journal.flush()
+
+    def runs(self) -> xr.Dataset:
+        """The runs dataset as far as answers go; the rest is 'missing'."""
+        return self._runs.dataset()
+
+    @cached_property
+    def _points(self) -> dict[str, Point]:
+        """Every point of every design by its key; equal points of deterministic solvers once."""
+        names = np.repeat(
+            list(self._runs.designs), [len(coded) for coded in self._runs.points.values()]
+        )
+        found: dict[str, Point] = {}
+        for key, design, call in zip(self._runs.keys, names, self._runs.calls, strict=True):
+            inputs = {name: call[name] for name in self.study.spec.solver.inputs}
+            found.setdefault(key, Point(key, str(design), inputs))
+        return found
+
+    @cached_property
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        """Physical values of all points, name -> (run,)."""
+        return physical_columns(self.study.space, self._runs.points)
+
+    def _answers(
+        self, given: Sequence[Any], outputs: Any, failed: str | None, several: bool
+    ) -> list[Any]:
+        """The outputs of each point; None for each that failed."""
+        if (outputs is None) == (failed is None):
+            raise StudyError("give either outputs or failed='why there is no answer'")
+        if failed is not None:
+            if not failed.strip():
+                raise StudyError("failed: is empty; say why there is no answer")
+            return [None] * len(given)
+        if not several:
+            return [outputs]
+        if isinstance(outputs, Mapping) or len(outputs) != len(given):
+            count = "one mapping" if isinstance(outputs, Mapping) else f"{len(outputs)}"
+            raise StudyError(
+                f"outputs: {count} for {len(given)} points; give a list with a mapping for each"
+            )
+        return list(outputs)
+
+    def _record(
+        self, point: Point, answer: Any, failed: str | None, seconds: float
+    ) -> tuple[Record, dict[str, NDArray[np.float64]]]:
+        """What the journal keeps of an answer; raises `StudyError` when it cannot be used."""
+        scalars: dict[str, float] = {}
+        fields: dict[str, NDArray[np.float64]] = {}
+        if failed is None:
+            offered = self.study.spec.solver.outputs
+            names = answer if isinstance(answer, Mapping) else ()
+            unknown = [name for name in names if name not in offered]
+            if unknown:
+                raise StudyError(
+                    *(f"there is no output '{n}'; {nearest(n, offered)}" for n in unknown)
+                )
+            try:
+                scalars, fields = accepted(answer, self._wanted)
+            except ValueError as error:
+                raise StudyError(str(error)) from None
+        spec = self.study.spec
+        record = Record(
+            point.key,
+            dict(point.inputs),
+            "ok" if failed is None else "failed",
+            failed or "",
+            seconds,
+            1,
+            time.time(),
+            outputs=scalars,
+            solver=spec.described,
+        )
+        return record, fields
+
+    def _found(self, one: Any, taken: Mapping[str, Any]) -> Point:
+        """The study's own point for what is told; taken: keys that this call has told already."""
+        key = one.key if isinstance(one, Point) else one
+        if not isinstance(key, str):
+            key = self._key_at(one, taken)
+        if key not in self._points:
+            raise StudyError(
+                f"'{key}' is the key of no point of this study as it is now; ask again"
+            )
+        if key in taken:
+            raise StudyError(f"{_said(self._points[key].inputs)} is told twice in one call")
+        return self._points[key]
+
+    def _key_at(self, values: Mapping[str, Any], taken: Mapping[str, Any]) -> str:
+        """Key of the point with these inputs; of replicates the first without an answer."""
+        mistakes = list(self._input_mistakes(values))
+        if mistakes:
+            raise StudyError(*mistakes)
+        hits = np.ones(len(self._runs.keys), dtype=bool)
+        for name, column in self._columns.items():
+            hits &= _same(column, values[name])
+        found = list(dict.fromkeys(self._runs.keys[row] for row in np.flatnonzero(hits)))
+        if not found:
+            raise StudyError(
+                f"{_said(values)} lies in no design of the study; tell the points that ask() "
+                "gave, or add this one to a design {method: csv}"
+            )
+        waiting = [key for key in found if key in self._open and key not in taken]
+        if not waiting and len(found) > 1:
+            raise StudyError(
+                f"{_said(values)} has {len(found)} replicates, all of which have an answer; "
+                "tell the key of the one to correct"
+            )
+        return waiting[0] if waiting else found[0]
+
+    def _input_mistakes(self, values: Mapping[str, Any]) -> Iterator[str]:
+        """What is wrong with the inputs of a point, before it is looked for."""
+        inputs = self.study.spec.solver.inputs
+        fixed = self._runs.calls[0] if self._runs.calls else RunInputs()
+        for name in values:
+            if name not in inputs:
+                yield f"the solver has no input '{name}'; {nearest(name, inputs)}"
+        for name in self._columns:
+            if name not in values:
+                yield f"there is no value for '{name}'; give one for each parameter"
+        for name, value in values.items():
+            if name not in inputs:
+                continue
+            if not inputs[name].levels and not _is_number(value):
+                yield f"{name}: {value!r} is not a number; give it in {inputs[name].unit or '1'}"
+            elif name not in self._columns and not _same(np.array([fixed[name]]), value).all():
+                yield f"{name}: {value} was told, but this study holds it at {fixed[name]}"
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
+
+
+def _same(column: NDArray[Any], value: Any) -> NDArray[np.bool_]:
+    """Which of the values of an input are this one."""
+    if column.dtype.kind in "US":
+        return np.asarray(column == str(value))
+    return np.asarray(np.abs(column - float(value)) <= SAME * np.abs(column).max())
+
+
+def _said(inputs: Mapping[str, Any]) -> str:
+    """A point in a few words."""
+    values = [f"{k}={v:g}" if _is_number(v) else f"{k}={v}" for k, v in inputs.items()]
+    return ", ".join([*values[:8], *["..."] * (len(values) > 8)])
