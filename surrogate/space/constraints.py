@@ -14,13 +14,16 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.errors import StudyError, nearest
-from surrogate.space.units import Dimension, base_unit, conversion, dimension, known
+from surrogate.space.units import base_unit, conversion, dimension, known
+
+if TYPE_CHECKING:
+    from surrogate.space.units import Dimension
 
 Array = NDArray[np.float64]
 

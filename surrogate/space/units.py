@@ -1,22 +1,29 @@
-"""Units by pint: the straight line from one unit to another."""
+"""Units by pint: the straight line from one unit to another.
+
+pint is loaded when two units differ: most studies write the solver's own, and loading it
+takes longer than reading them.
+"""
 
 from __future__ import annotations
 
 import math
 import re
 from dataclasses import dataclass
-from functools import lru_cache
-
-import pint
-from pint.util import UnitsContainer
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING
 
 from surrogate.errors import StudyError
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+    from pint.util import UnitsContainer
+
+    #: Powers of length, mass, time ...: what `dimension` gives; supports *, / and **.
+    Dimension = UnitsContainer
 
 NUMBER_AND_UNIT = re.compile(
     r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?:(?:\s+|(?=[^\W\d_]|[°%]))(\S.*))?"
 )
-_REGISTRY: pint.UnitRegistry[float] = pint.UnitRegistry(autoconvert_offset_to_baseunit=True)
-
 #: What may be read as a unit: a product of names with small exponents. pint computes what it
 #: reads, and 9**9**9**9 would fill the memory.
 _UNIT = re.compile(
@@ -29,6 +36,9 @@ _UNIT = re.compile(
     re.VERBOSE,
 )
 _LONGEST_UNIT = 100
+
+#: Seconds of the units that durations are written in; the others are left to pint.
+_SECONDS = {"ms": 1e-3, "min": 60.0, "h": 3600.0, "day": 86400.0, "days": 86400.0}
 
 
 @dataclass(frozen=True)
@@ -50,14 +60,24 @@ class Conversion:
 IDENTITY = Conversion(1.0, 0.0)
 
 
+@cache
+def _registry() -> UnitRegistry[float]:
+    """pint's units, read once."""
+    from pint import UnitRegistry
+
+    return UnitRegistry(autoconvert_offset_to_baseunit=True)
+
+
 def known(unit: str) -> bool:
     """True when pint can read `unit`."""
     if len(unit) > _LONGEST_UNIT or not _UNIT.fullmatch(unit):
         return False
+    from pint.errors import PintError
+
     try:
-        _REGISTRY.parse_units(unit)
+        _registry().parse_units(unit)
     except (
-        pint.errors.PintError,
+        PintError,
         ValueError,
         TypeError,
         AttributeError,
@@ -79,14 +99,18 @@ def conversion(unit: str, target: str) -> Conversion:
     """How values in `unit` become values in `target`; raises `StudyError` when they cannot."""
     if unit == target:
         return IDENTITY
+    if target == "s" and unit in _SECONDS:
+        return Conversion(_SECONDS[unit], 0.0)
     for name in (unit, target):
         if not known(name):
             shown = name if len(name) <= _LONGEST_UNIT else f"{name[:_LONGEST_UNIT]}..."
             raise StudyError(f"unit '{shown}' is unknown; write it as 'mm', 'N/mm', 'kPa' ...")
+    from pint.errors import PintError
+
     try:
-        zero = _REGISTRY.Quantity(0.0, unit).to(target).magnitude
-        one = _REGISTRY.Quantity(1.0, unit).to(target).magnitude
-    except (pint.errors.PintError, ArithmeticError):
+        zero = _registry().Quantity(0.0, unit).to(target).magnitude
+        one = _registry().Quantity(1.0, unit).to(target).magnitude
+    except (PintError, ArithmeticError):
         raise StudyError(f"unit '{unit}' does not convert to {_named(target)}") from None
     return Conversion(one - zero, zero)
 
@@ -124,18 +148,14 @@ def quantity(text: str, target: str) -> float:
     return conversion(unit or target, target).place(value)
 
 
-#: Powers of length, mass, time ...: what `dimension` gives; supports *, / and **.
-Dimension = UnitsContainer
-
-
 @lru_cache(maxsize=256)
 def dimension(unit: str) -> Dimension:
     """Dimension of a unit, such as [length] / [time]; of "" it has none."""
-    found: Dimension = _REGISTRY.get_dimensionality(_REGISTRY.parse_units(unit))
+    found: Dimension = _registry().get_dimensionality(_registry().parse_units(unit))
     return found
 
 
 @lru_cache(maxsize=256)
 def base_unit(unit: str) -> str:
     """The unit of the same dimension made of metre, kilogram, second, kelvin ..."""
-    return str(_REGISTRY.get_base_units(unit)[1]) if unit else ""
+    return str(_registry().get_base_units(unit)[1]) if unit else ""

@@ -68,3 +68,15 @@ def test_a_reader_that_has_seen_enough_is_no_trouble():
         ["bash", "-c", f"{words} | head -c 1"], capture_output=True, text=True, timeout=60
     )
     assert done.stderr == ""
+
+
+def test_a_study_in_the_solvers_own_units_loads_no_pint(tmp_path):
+    """Loading pint and its units takes longer than reading such a study."""
+    code = (
+        "import sys; from surrogate.study.template import write; from surrogate import Study\n"
+        "Study.from_yaml(write('own')); print('pint' in sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=tmp_path
+    )
+    assert done.stdout.strip() == "False", done.stderr
