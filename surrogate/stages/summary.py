@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 import xarray as xr
@@ -27,6 +27,10 @@ def summary(
     }
 
 
+@overload
+def figures_of(dataset: xr.Dataset) -> dict[str, Any]: ...
+@overload
+def figures_of(dataset: None) -> None: ...
 def figures_of(dataset: xr.Dataset | None) -> dict[str, Any] | None:
     """A dataset's numbers as JSON data."""
     if dataset is None:
