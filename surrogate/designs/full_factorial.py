@@ -47,7 +47,8 @@ def _grid(parameter: Parameter, count: int) -> NDArray[np.float64]:
     allowed = parameter.allowed
     if allowed is None:
         return np.linspace(-1.0, 1.0, count)
-    return allowed[np.rint(np.linspace(0, len(allowed) - 1, count)).astype(int)]
+    chosen = np.rint(np.linspace(0, len(allowed) - 1, count)).astype(int)
+    return np.asarray(allowed[chosen])
 
 
 def _counts(space: Space, levels: Any) -> list[int]:
