@@ -55,28 +55,35 @@ class _Helpers:
         self.jobs, self.workers = list(jobs), min(workers, len(jobs))
         self.futures: dict[str, Future[Result]] = {}
         self.pool: ProcessPoolExecutor | None = None
-        self.lock = threading.Lock()
+        self.lock = threading.RLock()
         self.timer = threading.Timer(PATIENCE, self._come)
         self.timer.daemon = True
         self.timer.start()
 
     def _come(self) -> None:
-        """Start the pool and hand it all jobs that this process has not begun."""
+        """Start the pool, a job for each of its processes."""
         context = multiprocessing.get_context("spawn")
-        with self.lock:
-            if not self.jobs:
-                return
-            with _ctrl_c_is_for_the_parent():
+        with self.lock, _ctrl_c_is_for_the_parent():
+            if self.jobs:
                 self.pool = ProcessPoolExecutor(self.workers - 1, context, _begin)
-                for job in reversed(self.jobs):
-                    self.futures[job.label] = self.pool.submit(_do_alone, job)
+            for _ in range(self.workers - 1):
+                self._hand_out()
+
+    def _hand_out(self) -> None:
+        """Give the last job that nobody has begun to the process that is free now."""
+        with self.lock, suppress(RuntimeError):  # the pool has lost a process, or is at its end
+            if self.jobs and self.pool is not None:
+                future = self.pool.submit(_do_alone, self.jobs[-1])
+                self.futures[self.jobs.pop().label] = future
+                future.add_done_callback(lambda _: self._hand_out())
 
     def result(self, job: Job) -> Result:
-        """The job's result: from a process that has taken it, or done here."""
+        """The job's result: from the process that has taken it, or done here."""
         with self.lock:
-            self.jobs.remove(job)
             future = self.futures.get(job.label)
-        if future is None or future.cancel():
+            if future is None:
+                self.jobs.remove(job)
+        if future is None:
             return do(job)
         try:
             return future.result()
@@ -90,11 +97,11 @@ class _Helpers:
             self.jobs.clear()
             if self.pool is None:
                 return
-            processes = list(getattr(self.pool, "_processes", None) or {}.values())
+            processes = list((getattr(self.pool, "_processes", None) or {}).values())
             self.pool.shutdown(wait=False, cancel_futures=True)
             for process in processes:
-                with suppress(OSError, AttributeError):
-                    process.terminate()
+                with suppress(OSError):
+                    process.kill()
 
 
 def _do_alone(job: Job) -> Result:

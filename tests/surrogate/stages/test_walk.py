@@ -1,8 +1,11 @@
 """The walk through the stages: what is done, what is not done again, what is mended."""
 
 import json
+import multiprocessing
 import os
 import shutil
+import signal
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -198,6 +201,28 @@ def test_help_comes_and_what_cannot_be_sent_is_done_here(tmp_path, monkeypatch):
     ]
     found = [result for _, result in labour.carry_out(jobs, workers=2)]
     assert found == [Result(9), Result(7), Result(None)]
+
+
+def wait_for_ever(ready):
+    ready.touch()
+    time.sleep(1000)
+
+
+def test_a_stop_ends_the_other_processes(tmp_path, monkeypatch):
+    """A job under way in another process is not waited for."""
+    monkeypatch.setattr(labour, "PATIENCE", 0.0)
+    ready = tmp_path / "ready"
+    jobs = [
+        Job("waits", slow_square, {"number": 3, "wait": [ready]}),
+        Job("endless", wait_for_ever, {"ready": ready}),
+    ]
+    before = set(multiprocessing.active_children())
+    going = labour.carry_out(jobs, workers=2)
+    assert next(going)[1] == Result(9)
+    (process,) = set(multiprocessing.active_children()) - before
+    going.close()
+    process.join(30)
+    assert process.exitcode == -signal.SIGKILL
 
 
 def test_digests_tell_apart():
