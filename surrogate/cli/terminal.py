@@ -53,6 +53,7 @@ def check(study: Study, results: Path) -> Page:
     for name, alias in aliases.items():
         parts.append(f"aliasing of {name}: {alias}\n")
     parts += _constraint_lines(study)
+    parts += [f"note: {note}" for note in study.notes]
     parts += [_surrogate_line(study), _runs_line(study, stored, counts, unfound), *study.unused]
     parts += rundata.described(stored, "damaged")
     data = {
@@ -74,6 +75,7 @@ def check(study: Study, results: Path) -> Page:
             for name, a in aliases.items()
         },
         "broken_constraints": study.broken_constraints,
+        "notes": list(study.notes),
         "runs": counts,
         "stored": rundata.described(stored, "stored"),
         "unused": study.unused,

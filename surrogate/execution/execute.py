@@ -7,6 +7,7 @@ finished is in the journal, whenever and however the program ends.
 
 from __future__ import annotations
 
+import math
 import os
 import time
 from collections import deque
@@ -260,7 +261,8 @@ class _Tally:
     def start(self, records: list[Record]) -> None:
         """Count the runs that the journal has."""
         good = [record.seconds for record in records if record.status == "ok"]
-        self.earlier = sum(good) / len(good) if good else None
+        timed = [seconds for seconds in good if math.isfinite(seconds)]  # rows of a table are not
+        self.earlier = sum(timed) / len(timed) if timed else None
         failed = len(records) - len(good)
         self.now = replace(self.now, reused=len(records), done=len(records), failed=failed)
         self._tell()

@@ -100,6 +100,16 @@ class Content:
         """False when the solver gives another answer to the same question."""
         return str(self.runs.attrs.get("deterministic", "true")).lower() != "false"
 
+    @property
+    def recorded(self) -> bool:
+        """True when the runs are rows of a table, and no solver stands behind them."""
+        return str(self.runs.attrs.get("recorded", "false")) == "true"
+
+    @property
+    def notes(self) -> list[str]:
+        """What was guessed of the study's data, and what was left out."""
+        return str(self.runs.attrs.get("notes", "")).splitlines()
+
     def finished(self, output: str) -> np.ndarray:
         """Which runs have a whole answer for this output, shape (run,)."""
         values = self.values(output)

@@ -80,6 +80,7 @@ def assemble(
             **_parameters(space, physical),
             **_outputs(wanted, records, journal),
             **_history(designs, records),
+            **_origins(journal, run_keys),
         },
         coords={"parameter": list(space.names), **_coordinates(wanted)},
         attrs=_provenance(spec, constants, fixed, study, seeds),
@@ -167,6 +168,15 @@ def _history(designs: Designs, records: list[Record | None]) -> dict[str, Variab
     }
 
 
+def _origins(journal: JournalContents | KnownRuns, run_keys: Sequence[str]) -> dict[str, Variable]:
+    """Where runs come from that are rows of a table; nothing when there are none."""
+    if not isinstance(journal, KnownRuns):
+        return {}
+    origins = np.array([journal.origin(key) for key in run_keys], dtype=str)
+    about = {"long_name": "file and row that the run comes from"}
+    return {"origin": ("run", origins, about)} if (origins != "").any() else {}
+
+
 def _provenance(
     spec: SolverSpec,
     constants: Mapping[str, Any] | None,
@@ -193,6 +203,7 @@ def _provenance(
         "seeds": canonical(seeds or {}),
         "versions": canonical(versions()),
         "deterministic": str(spec.deterministic).lower(),
+        **({"recorded": "true"} if spec.recorded else {}),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 

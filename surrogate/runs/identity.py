@@ -65,6 +65,11 @@ class SolverSpec:
         }
 
     @property
+    def recorded(self) -> bool:
+        """True when the solver is a table of runs that are done: it is never called."""
+        return bool(getattr(self.solver, "recorded", False))
+
+    @property
     def context(self) -> str:
         """Name, version and options as canonical JSON: all of a run's identity but its inputs.
 

@@ -13,7 +13,18 @@ from surrogate.space.space import Space
 
 #: Names that a study's parameters, outputs and outputs' dimensions cannot have.
 RESERVED_NAMES = frozenset(
-    {"run", "parameter", "coded", "design", "status", "message", "seconds", "attempts", "finished"}
+    {
+        "run",
+        "parameter",
+        "coded",
+        "design",
+        "status",
+        "message",
+        "seconds",
+        "attempts",
+        "finished",
+        "origin",
+    }
 )
 
 

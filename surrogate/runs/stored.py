@@ -209,6 +209,13 @@ class KnownRuns:
         source = self.given if self.given.records.get(record.key) is record else self.journal
         return source.values(record, name)
 
+    def origin(self, key: str) -> str:
+        """File and row that a run comes from, of a table; "" for others."""
+        if key not in self.given.places or not self._gives(key):
+            return ""
+        file, row = self.given.places[key]
+        return str(file.runs["origin"].values[row]) if "origin" in file.runs else ""
+
     def origins(self, keys: Iterable[str]) -> dict[str, int]:
         """Number of these runs that come from each stored file, by its name."""
         counts: dict[str, int] = {}

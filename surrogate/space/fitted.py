@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import optimize, special, stats
 
 from surrogate.errors import StudyError
-from surrogate.space.distributions import Distribution, distribution
+from surrogate.space.distributions import UNBOUNDED, Distribution, distribution
+from surrogate.space.laws import Range
 
 Array = NDArray[np.float64]
 #: Different values below which no law is fitted.
@@ -220,3 +221,28 @@ def data_law(values: ArrayLike) -> Distribution:
         ("digest", digest),
     )
     return Distribution(law, law.support(), words)
+
+
+#: What a study writes for a law that comes from its data.
+FROM_DATA = ("fit", "data")
+
+
+def law_of(kind: str, values: ArrayLike, range: Range = UNBOUNDED) -> tuple[Distribution, str]:
+    """The law `kind` of values (n,) within `range`, which cuts it off, and a sentence about it.
+
+    kind: `fit` for the likeliest law, `data` for the values' own.
+    """
+    x = np.asarray(values, dtype=float)
+    x = x[(x >= range[0]) & (x <= range[1])]
+    if kind == "data":
+        own = data_law(x)
+        support = (max(own.support[0], range[0]), min(own.support[1], range[1]))
+        words = own.words if range == UNBOUNDED else (*own.words, ("range", range))
+        return Distribution(own.base, support, words), f"{len(x)} values, smoothed"
+    best, *others = fitted_laws(x)
+    law = best.distribution
+    if range != UNBOUNDED:
+        given = {key: v for key, v in law.words if key not in ("distribution", "range")}
+        law = distribution(best.name, range=range, **given)
+    next_best = f"; {others[0].name} has {others[0].aicc - best.aicc:.1f} more" if others else ""
+    return law, f"{law} fits best by AICc{next_best}; Kolmogorov-Smirnov distance {best.ks:.2g}"

@@ -21,9 +21,12 @@ def reduced_study(
         return ""
     data = {**words, "study": f"{name}_reduced", "about": about}
     data["parameters"] = {
-        name: part for name, part in data["parameters"].items() if name not in frozen
+        name: part for name, part in data.get("parameters", {}).items() if name not in frozen
     }
-    data["constants"] = {**data.get("constants", {}), **frozen}
+    if "solver" in data:
+        data["constants"] = {**data.get("constants", {}), **frozen}
+    else:
+        data["data"] = _without(data["data"], frozen)
     for word in ("stored", "validation"):  # files beside the study, about other runs
         data.pop(word, None)
     _forget(data, frozen)
@@ -33,6 +36,14 @@ def reduced_study(
         "# from when the solver reads files or modules from there.\n\n"
     )
     return note + write_yaml(data)
+
+
+def _without(table: Any, frozen: Mapping[str, Any]) -> dict[str, Any]:
+    """`data:` of a table that does without these columns."""
+    part = {"file": table} if isinstance(table, str) else dict(table)
+    left_out = part.get("leave_out", [])
+    named = [left_out] if isinstance(left_out, str) else list(left_out)
+    return {**part, "leave_out": [*named, *frozen]}
 
 
 def _forget(data: dict[str, Any], frozen: Container[str]) -> None:

@@ -34,6 +34,7 @@ class AskedRuns:
     folder   results folder of the study
     designs  with those points that were found by search before, see `kept_designs`
     text     the study as written, for the runs dataset
+    notes    what was guessed of the study's data and what was left out
     """
 
     folder: Path
@@ -44,6 +45,7 @@ class AskedRuns:
     designs: Mapping[str, Design]
     stored_runs: tuple[StoredRuns, ...]
     text: str
+    notes: tuple[str, ...] = ()
 
     def recalled(self) -> AskedRuns:
         """The same with the points that were found before: a design does not move once begun."""
@@ -130,7 +132,9 @@ class AskedRuns:
             run_keys=self.keys,
         )
         return runs.assign_attrs(
-            stored=canonical(known.origins(self.keys)), damaged=canonical(contents.told)
+            stored=canonical(known.origins(self.keys)),
+            damaged=canonical(contents.told),
+            **({"notes": "\n".join(self.notes)} if self.notes else {}),
         )
 
     def do(
@@ -146,8 +150,10 @@ class AskedRuns:
         """Do the runs that neither journal, nor neighbours, nor stored files have.
 
         fresh: all of them, taking nothing over. The other words are those of `execute`. Of a
-        solver whose answers are told none is done; raises `StudyError` for `fresh` then.
+        solver whose answers are told none is done; raises `StudyError` for `fresh` then. A table has all runs that it can have.
         """
+        if self.spec.recorded:
+            return
         if self.spec.told:
             if fresh:
                 raise StudyError(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import Any
 
@@ -11,6 +12,9 @@ from pydantic import BaseModel, ValidationError
 from surrogate.errors import KeyPath, Mistake, nearest
 from surrogate.study.parts import (
     ConstantPart,
+    DataOutputPart,
+    DataPart,
+    DataTestPart,
     DesignPart,
     ExecutionPart,
     ParameterPart,
@@ -25,6 +29,8 @@ from surrogate.study.parts import (
 #: Sections whose entries are checked one by one: a broken entry leaves the others standing.
 _SECTIONS = ("parameters", "constants", "designs", "surrogates")
 _STAND_INS = {"study": "unnamed", "solver": "unnamed", "parameters": {}, "designs": {}}
+#: Keys that a study without data needs.
+_NEEDED = ("solver", "parameters", "designs")
 
 
 def read(data: Any) -> tuple[StudyPart | None, list[Mistake], set[KeyPath]]:
@@ -38,6 +44,11 @@ def read(data: Any) -> tuple[StudyPart | None, list[Mistake], set[KeyPath]]:
     mistakes = list(_keys_that_are_no_text(data, ()))
     broken = {_entry(mistake.path) for mistake in mistakes if mistake.path[0] in _SECTIONS}
     left: dict[str, Any] = dict(_with_text_keys(data) if mistakes else data)
+    for key in _NEEDED if "data" not in left else ():
+        if key not in left:
+            mistakes.append(_needed(key, left))
+            broken.add((key,))
+            _leave_out(left, (key,))
     for path in broken:
         _leave_out(left, path)
     while True:
@@ -108,9 +119,7 @@ def _mistake(item: Mapping[str, Any]) -> Mistake:
     if kind == "missing" and isinstance(key, int):
         return Mistake(path[:-1], f"{_shown(path)}: must have {key + 1} entries")
     if kind == "missing":
-        close = get_close_matches(str(key), [str(word) for word in given or ()], n=1)
-        meant = f"; is '{close[0]}' meant to be '{key}'?" if close else ""
-        return Mistake(path[:-1], f"key '{key}' is needed here{meant}", on_key=len(path) > 1)
+        return replace(_needed(str(key), given or ()), path=path[:-1], on_key=len(path) > 1)
     if kind == "string_pattern_mismatch":
         name = given if isinstance(given, str) else key
         return Mistake(
@@ -119,6 +128,14 @@ def _mistake(item: Mapping[str, Any]) -> Mistake:
             on_key="[key]" in path,
         )
     return Mistake(path, f"{_shown(path)} {given!r}: {_wanted(kind, item)}")
+
+
+def _needed(key: str, given: Iterable[Any]) -> Mistake:
+    """A key that is missing, and which of the keys given may be meant."""
+    close = get_close_matches(key, [str(word) for word in given], n=1)
+    meant = f"; is '{close[0]}' meant to be '{key}'?" if close else ""
+    rows = "; or data: FILE.csv for a table of runs that are done" if key == "solver" else ""
+    return Mistake((), f"key '{key}' is needed here{meant or rows}")
 
 
 def _shown(path: KeyPath) -> str:
@@ -170,10 +187,13 @@ def _wanted(kind: str, item: Mapping[str, Any]) -> str:
 
 def _keys_at(path: KeyPath) -> list[str]:
     """Keys that a mapping of the study file at `path` takes."""
+    if path[:1] == ("data",) and len(path) > 1:
+        return list((DataTestPart if path[1] == "test" else DataOutputPart).model_fields)
     if path[:2] == ("validation", "models") and len(path) > 2:
         return list(SolverPart.model_fields)
     parts: dict[str | int, type[BaseModel]] = {
         "solver": SolverPart,
+        "data": DataPart,
         "parameters": ParameterPart,
         "constants": ConstantPart,
         "designs": DesignPart,

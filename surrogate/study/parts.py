@@ -94,7 +94,8 @@ class ParameterPart(OpenPart):
     distribution: str | None = Field(
         None,
         description="uniform, normal, lognormal, triangular "
-        "or a continuous scipy.stats name; a range truncates it.",
+        "or a continuous scipy.stats name; a range truncates it. "
+        "From the column of data: fit (the likeliest law), data (the values, smoothed).",
     )
     integer: bool = Field(False, description="Whole numbers of the range only.")
     values: tuple[Number, ...] | None = Field(
@@ -110,6 +111,57 @@ class ParameterPart(OpenPart):
     @classmethod
     def _short(cls, value: Any) -> Any:
         return {"range": value} if isinstance(value, list | tuple) else value
+
+
+class DataOutputPart(Part):
+    """A column that holds what was measured or computed."""
+
+    unit: str | None = Field(None, description="Default: that of the table's header.")
+
+
+class DataTestPart(Part):
+    """Which rows are held out to test the surrogates."""
+
+    fraction: float | None = Field(None, gt=0, lt=1, description="Share of the rows, at random.")
+    seed: int = Field(0, ge=0, description="Of that choice.")
+    column: str | None = Field(None, description="A column that says train or test.")
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> DataTestPart:
+        if (self.fraction is None) == (self.column is None):
+            raise ValueError("give either fraction (and seed) or column")
+        return self
+
+
+def _outputs_by_name(value: Any) -> Any:
+    names = (value,) if isinstance(value, str) else value
+    return {name: {} for name in names} if isinstance(names, list | tuple) else value
+
+
+DataOutputs = Annotated[
+    dict[str, DataOutputPart],
+    BeforeValidator(
+        _outputs_by_name, json_schema_input_type=str | list[str] | dict[str, DataOutputPart]
+    ),
+]
+
+
+class DataPart(Part):
+    """A table of runs that are done: in place of a solver, or beside it."""
+
+    file: str = Field(description="csv, tsv, xlsx, parquet or nc, relative to the study file.")
+    sheet: str | None = Field(None, description="Of an Excel file; default: its first.")
+    outputs: DataOutputs = Field(
+        {}, description="Columns that are outputs; default: guessed, and told."
+    )
+    rename: dict[str, Name] = Field({}, description="Header as written -> name in the study.")
+    leave_out: Texts = Field((), description="Columns that are neither inputs nor outputs.")
+    test: DataTestPart | None = Field(None, description="Rows that are held out.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value: Any) -> Any:
+        return {"file": value} if isinstance(value, str) else value
 
 
 class ConstantPart(Part):
@@ -210,14 +262,15 @@ class StudyPart(Part):
 
     study: Name = Field(description="Results go to results/<study>/.")
     about: str = Field("", description="What is asked, for the report.")
-    solver: SolverPart
-    parameters: dict[Name, ParameterPart]
+    solver: SolverPart | None = None
+    data: DataPart | None = Field(None, description="Runs that are done, in a table.")
+    parameters: dict[Name, ParameterPart] = {}
     correlation: tuple[tuple[str, str, Annotated[float, Field(gt=-1, lt=1)]], ...] = Field(
         (), description="[name, name, correlation] of dependent parameters (Gaussian copula)."
     )
     constants: dict[Name, ConstantPart] = {}
     outputs: tuple[str, ...] | None = Field(None, description="Default: all of the solver's.")
-    designs: dict[Name, DesignPart]
+    designs: dict[Name, DesignPart] = {}
     surrogates: dict[Name, SurrogatePart] = {}
     sensitivity: SensitivityPart | None = None
     screening: ScreeningPart | None = None

@@ -13,6 +13,7 @@ _SHORT_FORMS = {
     "ConstantPart": {"type": ["number", "string"]},
     "SurrogatePart": {"type": "string"},
     "ValidationPart": {"type": "string"},
+    "DataPart": {"type": "string"},
 }
 
 
@@ -23,4 +24,5 @@ def json_schema() -> dict[str, Any]:
         schema["$defs"][name] = {"anyOf": [schema["$defs"][name], short]}
     taken = schema["$defs"]["SurrogatePart"]["anyOf"][0]["properties"]["train"]
     taken["anyOf"] = [{"type": taken.pop("type"), "items": taken.pop("items")}, {"type": "string"}]
+    schema["anyOf"] = [{"required": ["solver", "parameters", "designs"]}, {"required": ["data"]}]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -52,7 +52,8 @@ class Study:
     """What a study file says, as objects. Build one by `from_yaml` or `from_mapping`.
 
     constants are in the solver's units; inputs that are neither parameters nor
-    constants keep the solver's nominal value.
+    constants keep the solver's nominal value. notes tell what was guessed of the study's
+    data and what was left out.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Study:
     execution: ExecutionPart
     stored_runs: tuple[StoredRuns, ...]
     validation: Validation | None
+    notes: tuple[str, ...]
     source: Source = field(repr=False, compare=False)
 
     @classmethod
@@ -113,7 +115,7 @@ class Study:
     @property
     def words(self) -> dict[str, Any]:
         """What the study says, as plain data."""
-        if self.source.text:
+        if self.source.text or self.spec.recorded:
             return dict(self.source.data)
         solver = {"name": self.spec.name, "options": self.spec.plain_options}
         return {**self.source.data, "solver": solver}
@@ -146,6 +148,7 @@ class Study:
                 self.designs,
                 self.stored_runs,
                 self.text,
+                self.notes,
             ).recalled()
         return self._asked[folder]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,8 @@ from surrogate.errors import StudyError
 from surrogate.tables.columns import Column
 from surrogate.tables.table import Table
 
-SPLIT_WORDS = frozenset(("train", "training", "test", "testing", "validation", "holdout"))
+TEST_WORDS = frozenset(("test", "testing", "validation", "holdout"))
+SPLIT_WORDS = TEST_WORDS | {"train", "training"}
 OUTPUT_TITLES = frozenset(("y", "f", "z", "output", "response", "result", "target", "yield"))
 ROW_TITLES = frozenset(("id", "run", "no", "nr", "number", "index", "row", "case", "trial"))
 #: A category with more levels than this share of the rows is a label of rows.
@@ -20,44 +21,55 @@ MANY_LEVELS = 0.5
 
 @dataclass(frozen=True)
 class Roles:
-    """A guess that a person should look at.
+    """What each column is.
 
     inputs, outputs  names of columns
     split            the column that tells test rows from training rows, if there is one
     left_out         name -> why
+    guessed          True when the outputs are a guess that a person should look at
     """
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     split: str | None
     left_out: Mapping[str, str]
+    guessed: bool = True
 
 
-def roles(table: Table) -> Roles:
-    """The roles that columns look to have; raises `StudyError` when no output can be found.
+def roles(
+    table: Table,
+    *,
+    inputs: Collection[str] = (),
+    outputs: Collection[str] = (),
+    leave_out: Collection[str] = (),
+    split: str | None = None,
+) -> Roles:
+    """The roles of the columns: those that are given, and what the others look to be.
 
-    Outputs are numeric columns with names such as `y1`, `response`; without any, the last
-    numeric column.
+    Raises `StudyError` when no input or no output can be found. Outputs that nobody names are
+    those that the file tells, numeric columns with names such as `y1` or `response`, or,
+    without any, the last numeric column.
     """
-    split = next((name for name, c in table.columns.items() if _splits(c)), None)
-    left_out = {
-        name: why
-        for name, c in table.columns.items()
-        if name != split and (why := _useless(c, table.rows))
+    outputs = outputs or table.outputs
+    given = {*inputs, *outputs}
+    free = [name for name in table.columns if name not in given and name not in leave_out]
+    if split is None:
+        split = next((name for name in free if splits(table[name])), None)
+    left_out = {name: "as the study says" for name in leave_out} | {
+        name: why for name in free if name != split and (why := _useless(table[name], table.rows))
     }
-    rest = {n: c for n, c in table.columns.items() if n != split and n not in left_out}
-    numeric = [name for name, c in rest.items() if c.numeric]
-    outputs = [name for name in numeric if _named_as_output(name)] or numeric[-1:]
-    inputs = [name for name in rest if name not in outputs]
-    if not outputs or not inputs:
-        raise StudyError(
-            f"{table.file}: no inputs and outputs are left of its columns; "
-            + "; ".join(f"'{name}' {why}" for name, why in left_out.items())
-        )
-    return Roles(tuple(inputs), tuple(outputs), split, left_out)
+    rest = [name for name in table.columns if name != split and name not in left_out]
+    numeric = [name for name in rest if table[name].numeric and name not in inputs]
+    found = tuple(outputs) or tuple(filter(_named_as_output, numeric)) or tuple(numeric[-1:])
+    others = tuple(name for name in rest if name not in found)
+    if not found or not others:
+        lost = "".join(f"; '{name}' {why}" for name, why in left_out.items())
+        what = "no inputs and outputs are" if not found else "no inputs are"
+        raise StudyError(f"{table.file}: {what} left of its columns{lost}")
+    return Roles(others, found, split, left_out, guessed=not outputs)
 
 
-def _splits(one: Column) -> bool:
+def splits(one: Column) -> bool:
     """True when its values are words for training and test rows."""
     if one.kind != "category":
         return False

@@ -12,9 +12,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import mode
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from surrogate.errors import StudyError, nearest
+from surrogate.errors import Mistake, StudyError, nearest
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Characters that stand between cells, in the order in which ties are decided.
 DELIMITERS = (",", ";", "\t", "|")
@@ -30,12 +33,14 @@ class Sheet:
     rows    the further rows, each as long as the header
     lines   where each row stands in the file, as a spreadsheet or an editor counts
     notes   what a reader should know about the file
+    outputs headers of the columns that the file itself says are outputs
     """
 
     header: list[str]
     rows: list[list[Any]]
     lines: list[int]
     notes: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
 
 
 def read_sheet(path: Path, sheet: str | None = None) -> Sheet:
@@ -51,21 +56,31 @@ def read_sheet(path: Path, sheet: str | None = None) -> Sheet:
     try:
         if path.stat().st_size > LARGEST:
             raise StudyError(f"{path.name} is larger than {LARGEST // 2**30} GiB")
-        grid, notes = reader(path, sheet)
+        found = reader(path, sheet)
     except OSError as error:
         raise StudyError(
             f"{path} cannot be read ({error.strerror or error}); "
             "a path in a study is relative to the study file"
         ) from None
-    return _sheet(path.name, grid, notes)
+    return _sheet(path.name, found)
 
 
 Grid = list[tuple[int, list[Any]]]
 
 
-def _sheet(name: str, grid: Grid, notes: tuple[str, ...]) -> Sheet:
+@dataclass(frozen=True)
+class Cells:
+    """What a file holds: numbered rows of cells, and what `Sheet` tells besides."""
+
+    grid: Grid
+    notes: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
+
+
+def _sheet(name: str, found: Cells) -> Sheet:
     """The first row apart from the others, empty rows and columns left out."""
-    grid = [(line, cells) for line, cells in grid if any(cell is not None for cell in cells)]
+    notes = found.notes
+    grid = [(line, cells) for line, cells in found.grid if any(cell is not None for cell in cells)]
     if not grid:
         raise StudyError(f"{name} is empty")
     (first, titles), body = grid[0], grid[1:]
@@ -94,10 +109,11 @@ def _sheet(name: str, grid: Grid, notes: tuple[str, ...]) -> Sheet:
         [[row[j] for j in kept] for row in rows],
         [line for line, _ in body],
         notes,
+        found.outputs,
     )
 
 
-def _text(path: Path, sheet: str | None) -> tuple[Grid, tuple[str, ...]]:
+def _text(path: Path, sheet: str | None) -> Cells:
     text, notes = _decoded(path)
     lines = [
         (number, line)
@@ -105,9 +121,9 @@ def _text(path: Path, sheet: str | None) -> tuple[Grid, tuple[str, ...]]:
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if any('"' in line for _, line in lines):
-        return _quoted(text), notes
+        return Cells(_quoted(text), notes)
     delimiter = delimiter_of([line for _, line in lines[:200]], path.suffix.lower())
-    return [(number, _cells(line.split(delimiter))) for number, line in lines], notes
+    return Cells([(number, _cells(line.split(delimiter))) for number, line in lines], notes)
 
 
 def _quoted(text: str) -> Grid:
@@ -159,7 +175,7 @@ def delimiter_of(lines: list[str], suffix: str) -> str:
     return others[0] if best == "," and others else best
 
 
-def _excel(path: Path, sheet: str | None) -> tuple[Grid, tuple[str, ...]]:
+def _excel(path: Path, sheet: str | None) -> Cells:
     try:
         from openpyxl import load_workbook
         from openpyxl.utils.exceptions import InvalidFileException
@@ -174,7 +190,8 @@ def _excel(path: Path, sheet: str | None) -> tuple[Grid, tuple[str, ...]]:
     except (InvalidFileException, BadZipFile, KeyError, ValueError):
         raise StudyError(f"{path.name} is no Excel workbook that can be read") from None
     if sheet is not None and sheet not in book.sheetnames:
-        raise StudyError(f"{path.name} has no sheet '{sheet}'; {nearest(sheet, book.sheetnames)}")
+        said = f"{path.name} has no sheet '{sheet}'; {nearest(sheet, book.sheetnames)}"
+        raise StudyError(Mistake(("sheet",), said))
     chosen = book[sheet or book.sheetnames[0]]
     grid = [
         (line, [_excel_cell(cell) for cell in cells])
@@ -182,14 +199,14 @@ def _excel(path: Path, sheet: str | None) -> tuple[Grid, tuple[str, ...]]:
     ]
     many = len(book.sheetnames) > 1 and sheet is None
     note = f"{path.name}: sheet '{chosen.title}' is read, of {len(book.sheetnames)}"
-    return grid, (note,) if many else ()
+    return Cells(grid, (note,) if many else ())
 
 
 def _excel_cell(cell: Any) -> Any:
     return cell.strip() or None if isinstance(cell, str) else cell
 
 
-def _parquet(path: Path, sheet: str | None) -> tuple[Grid, tuple[str, ...]]:
+def _parquet(path: Path, sheet: str | None) -> Cells:
     try:
         from pyarrow import parquet
         from pyarrow.lib import ArrowException
@@ -203,20 +220,26 @@ def _parquet(path: Path, sheet: str | None) -> tuple[Grid, tuple[str, ...]]:
         raise StudyError(f"{path.name} is no Parquet file that can be read: {error}") from None
     columns = [column.to_pylist() for column in table.columns]
     body = [(line, list(cells)) for line, cells in enumerate(zip(*columns, strict=True), 2)]
-    return [(1, list(table.column_names)), *body], ()
+    return Cells([(1, list(table.column_names)), *body])
 
 
-def _netcdf(path: Path, sheet: str | None) -> tuple[Grid, tuple[str, ...]]:
-    """Variables of the first dimension of a netCDF file; units go into the header."""
+def _netcdf(path: Path, sheet: str | None) -> Cells:
+    """Variables of the first dimension of a netCDF file; units go into the header.
+
+    A dataset of runs (`surrogate.runs.dataset`) gives its parameters, its outputs and `design`.
+    """
     import xarray as xr
 
     try:
-        data = xr.load_dataset(path)
+        data = xr.load_dataset(path, decode_timedelta=False)
     except (OSError, ValueError) as error:
         if isinstance(error, FileNotFoundError):
             raise
         raise StudyError(f"{path.name} is no netCDF file that can be read") from None
-    flat = {str(n): v for n, v in data.variables.items() if v.ndim == 1}
+    parameters = _parameters(data)
+    if parameters:
+        data = _as_table(data)
+    flat = {str(n): v for n, v in data.variables.items() if v.ndim == 1 and str(n) != "parameter"}
     if not flat:
         raise StudyError(f"{path.name} has no variable of one dimension")
     dim = mode(v.dims[0] for v in flat.values())
@@ -227,12 +250,37 @@ def _netcdf(path: Path, sheet: str | None) -> tuple[Grid, tuple[str, ...]]:
     ]
     columns = [v.values.tolist() for v in chosen.values()]
     body = [(line, list(cells)) for line, cells in enumerate(zip(*columns, strict=True), 2)]
+    outputs = [
+        title
+        for title, name in zip(titles, chosen, strict=True)
+        if parameters and name not in (*parameters, "design")
+    ]
     left = sorted(str(name) for name in data.variables if str(name) not in chosen)
     note = f"{path.name}: variables of other dimensions are left out: {', '.join(left)}"
-    return [(1, titles), *body], (note,) if left else ()
+    return Cells([(1, titles), *body], (note,) if left else (), tuple(outputs))
 
 
-READERS: Mapping[str, Callable[[Path, str | None], tuple[Grid, tuple[str, ...]]]] = {
+#: Variables of a dataset of runs that are neither inputs nor outputs.
+_HISTORY = ("coded", "status", "message", "seconds", "attempts", "finished", "origin")
+
+
+def _parameters(data: xr.Dataset) -> list[str]:
+    """Names of the parameters of a dataset of runs; none for other datasets."""
+    if "identity" not in data.attrs or "parameter" not in data.variables or "design" not in data:
+        return []
+    return [str(name) for name in data["parameter"].values]
+
+
+def _as_table(data: xr.Dataset) -> xr.Dataset:
+    """The runs that were made; `design` says train or test, where there is a test."""
+    data = data.isel(run=(data["status"].values.astype(str) != "missing").nonzero()[0])
+    design = data["design"].values.astype(str)
+    said = ["test" if name == "test" else "train" for name in design]
+    data = data.drop_vars([name for name in (*_HISTORY, "design") if name in data])
+    return data.assign(design=("run", said)) if "test" in said else data
+
+
+READERS: Mapping[str, Callable[[Path, str | None], Cells]] = {
     ".csv": _text,
     ".tsv": _text,
     ".txt": _text,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.errors import StudyError, nearest
+from surrogate.errors import Mistake, StudyError, nearest
 from surrogate.tables.columns import Column, column, identifier, title_and_unit, units_row
 from surrogate.tables.notation import decimal_mark
 from surrogate.tables.sheet import Sheet, read_sheet
@@ -21,12 +21,16 @@ SHOWN = 10
 
 @dataclass(frozen=True)
 class Table:
-    """Columns by name, in order; `lines` tells where each row stands in the file."""
+    """Columns by name, in order; `lines` tells where each row stands in the file.
+
+    outputs  columns that the file itself says are outputs (a dataset of runs)
+    """
 
     file: str
     columns: Mapping[str, Column]
     lines: tuple[int, ...]
     notes: tuple[str, ...] = ()
+    outputs: tuple[str, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -80,19 +84,25 @@ def understand(file: str, sheet: Sheet, rename: dict[str, str]) -> Table:
     if mistakes:
         more = len(mistakes) - SHOWN
         raise StudyError(*mistakes[:SHOWN], *([f"{file}: and {more} more"] if more > 0 else []))
-    return Table(file, columns, tuple(lines), sheet.notes)
+    names = dict(zip(sheet.header, columns, strict=True))
+    outputs = tuple(names[title] for title in sheet.outputs if title in names)
+    return Table(file, columns, tuple(lines), sheet.notes, outputs)
 
 
 def _check_header(
     file: str, header: list[str], rename: Mapping[str, str], titles: list[str]
 ) -> None:
     mistakes = [
-        f"{file}: two columns are called '{title}'; give one another name"
+        Mistake((), f"{file}: two columns are called '{title}'; give one another name")
         for title in dict.fromkeys(header)
         if header.count(title) > 1
     ]
     mistakes += [
-        f"rename: {file} has no column '{title}'; {nearest(title, header)}"
+        Mistake(
+            ("rename", title),
+            f"rename: {file} has no column '{title}'; {nearest(title, header)}",
+            True,
+        )
         for title in rename
         if title not in header and title not in titles
     ]

@@ -246,3 +246,15 @@ def _with_results(content: Content, surrogates, outputs, sensitivity, refused) -
         aliasing={} if found is None else {"train": found},
         sensitivity=sensitivity_dataset(content.space, outputs, refused) if sensitivity else None,
     )
+
+
+def table_of_beams() -> str:
+    """A CSV of 25 measured beams with dates, an empty answer and two materials; no noise."""
+    rows = ["run,load [N],length (m),material,deflection,measured"]
+    for k in range(25):
+        load, length = 10.0 + 10.0 * (k % 5), 1.0 + 0.25 * (k // 5)
+        material = ("steel", "brass")[k % 2]
+        deflection = load * length**3 / (2.0 if material == "brass" else 4.2)
+        answer = "" if k == 3 else f"{deflection:.6g}"
+        rows.append(f"{k + 1},{load},{length},{material},{answer},2024-03-{k + 1:02d}")
+    return "\n".join(rows) + "\n"

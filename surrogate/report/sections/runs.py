@@ -9,7 +9,7 @@ from textwrap import shorten
 import numpy as np
 
 from surrogate.report import digits
-from surrogate.report.blocks import Block, Cell, Fold, Head, Section, Table, Text
+from surrogate.report.blocks import Block, Cell, Fold, Head, Points, Section, Table, Text
 from surrogate.report.content import Content
 
 #: Longer tables start folded.
@@ -21,6 +21,8 @@ LONGEST = 120
 def section(content: Content) -> Section:
     """The failed runs with their messages, and the table of all runs."""
     blocks: list[Block] = [Text(_count(content))]
+    if content.notes:
+        blocks.append(Points(tuple(f"{note}." for note in content.notes), "note"))
     if content.failed.any():
         blocks.append(_failures(content))
     count = len(content.ok)
@@ -105,8 +107,12 @@ def _table(content: Content) -> Table:
                 _column(mean, digits.column(mean, 4)),
             )
         )
+    if (content.words("origin") != "").any():
+        cells = [Cell(word) for word in content.words("origin")]
+        columns.append((Head("origin", numeric=False), cells))
     spent = content.seconds
-    columns.append((Head("time (s)"), _column(spent, [digits.figure(s) for s in spent])))
+    if np.isfinite(spent).any() or not content.recorded:
+        columns.append((Head("time (s)"), _column(spent, [digits.figure(s) for s in spent])))
     if (content.words("message") != "").any():
         columns.append(
             (

@@ -70,7 +70,7 @@ def _asked(content: Content) -> Fact:
     solver = str(content.runs.attrs.get("solver", ""))
     outputs = digits.listing(content.outputs) or "no output"
     many = digits.quantity(content.space.size, "parameter")
-    of = f" of solver {solver}" if solver else ""
+    of = f" of {'table' if content.recorded else 'solver'} {solver}" if solver else ""
     failed = int(content.failed.sum())
     runs = digits.quantity(len(content.ok), "run") + (f", {failed} failed" if failed else "")
     return Fact(

@@ -36,7 +36,8 @@ def designs_of(reading: Reading, space: Space | None) -> dict[str, Design]:
         design = _design(reading, space, name, part)
         if design is not None:
             designs[name] = design
-    if not reading.part.designs and not any(path[0] == "designs" for path in reading.broken):
+    needed = not reading.part.designs and reading.part.data is None
+    if needed and not any(path[0] == "designs" for path in reading.broken):
         reading.wrong("name at least one design, such as train", "designs")
     return designs
 

@@ -20,6 +20,7 @@ from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import SurrogatePart
+from surrogate.study.reading.data import DATA
 from surrogate.study.reading.mistakes import Reading
 
 #: Parameters of plug-ins that the framework fills in; they are not options.
@@ -33,14 +34,16 @@ def surrogates_of(
     """Unfitted estimators by name, each with its training designs."""
     surrogates = {}
     for name, part in reading.part.surrogates.items():
-        found = _surrogate(reading, name, part)
+        found = _surrogate(reading, name, part, designs)
         if found is not None:
             surrogates[name] = found
             _check_training(reading, found, designs, space)
     return surrogates
 
 
-def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | None:
+def _surrogate(
+    reading: Reading, name: str, part: SurrogatePart, designs: Mapping[str, Design]
+) -> Surrogate | None:
     path = ("surrogates", name)
     with reading.mistakes_at(*path, "method"):
         factory = plugins.load(plugins.REGRESSORS, part.method, reading.folder)
@@ -54,8 +57,14 @@ def _surrogate(reading: Reading, name: str, part: SurrogatePart) -> Surrogate | 
             raise StudyError(f"'{part.method}' is not a regressor: it has no fit and predict")
         if estimator.get_params().get("random_state", 0) is None:
             estimator.set_params(random_state=0)
-        return Surrogate(name, part.method, estimator, part.train)
+        return Surrogate(name, part.method, estimator, _training(part, designs))
     return None
+
+
+def _training(part: SurrogatePart, designs: Mapping[str, Design]) -> tuple[str, ...]:
+    """The training designs; those that nobody names are `train` and the rows of `data:`."""
+    usual = tuple(name for name in ("train", DATA) if name in designs)
+    return part.train if "train" in part.model_fields_set or not usual else usual
 
 
 def _check_training(
@@ -67,10 +76,11 @@ def _check_training(
             name not in designs
             and not reading.is_broken("designs", name)
             and name not in reading.part.designs
+            and not (reading.part.data is not None and name in ("train", DATA))
         ):
             reading.wrong(
                 f"trains on design '{name}', which the study does not have; "
-                f"{nearest(name, reading.part.designs)}",
+                f"{nearest(name, {**designs, **reading.part.designs})}",
                 *path,
                 "train",
             )

@@ -14,12 +14,16 @@ from surrogate.study.source import Source
 
 @dataclass
 class Reading:
-    """What has been understood of a study so far, and the mistakes found on the way."""
+    """What has been understood of a study so far, and the mistakes found on the way.
+
+    notes: what a reader should know of the study's data, a sentence each
+    """
 
     part: StudyPart
     folder: Path | None
     broken: set[KeyPath]
     mistakes: list[Mistake] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
     def wrong(self, sentence: str, *path: str | int, on_key: bool = False) -> None:
         """Note a mistake in the part of the study at `path`."""

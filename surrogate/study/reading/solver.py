@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surrogate.errors import StudyError, nearest
 from surrogate.runs.identity import SolverSpec
@@ -14,6 +15,7 @@ from surrogate.solver import Input, Output, Solver
 from surrogate.space import laws, units
 from surrogate.space.discrete import integers, listed
 from surrogate.space.distributions import UNBOUNDED, distribution
+from surrogate.space.fitted import FROM_DATA, law_of
 from surrogate.space.space import Parameter, Space
 from surrogate.stages.plugin import call
 from surrogate.study import plugins
@@ -32,7 +34,7 @@ def solver_of(
     reading: Reading, part: SolverPart | None = None, path: tuple[str, ...] = ("solver",)
 ) -> tuple[SolverSpec, Solver | None]:
     """The study's solver, or that of `part`, built once here to learn its inputs and outputs."""
-    part = reading.part.solver if part is None else part
+    part = part or reading.part.solver or SolverPart(name="unnamed")
     spec = SolverSpec(part.name, SolverFactory(part.name, reading.folder), part.options)
     if reading.is_broken(*path):
         return spec, None
@@ -83,20 +85,34 @@ def _built(spec: SolverSpec, reading: Reading, path: tuple[str, ...]) -> Solver 
     return None
 
 
-def space_of(reading: Reading, solver: Solver) -> Space | None:
-    """Parameters with their ranges in the solver's units, and their correlation."""
+def _owner(solver: Solver) -> str:
+    """Who has the inputs and outputs that messages speak of."""
+    return "the table" if getattr(solver, "recorded", False) else "the solver"
+
+
+def space_of(
+    reading: Reading, solver: Solver, columns: Mapping[str, NDArray[np.float64]] | None = None
+) -> Space | None:
+    """Parameters with their ranges in the solver's units, and their correlation.
+
+    columns: values of inputs in the study's data, for laws that come from them.
+    """
     parameters = []
     for name, part in reading.part.parameters.items():
         if name not in solver.inputs:
             reading.wrong(
-                f"the solver has no input '{name}'; {nearest(name, solver.inputs)}",
+                f"{_owner(solver)} has no input '{name}'; {nearest(name, solver.inputs)}",
                 "parameters",
                 name,
                 on_key=True,
             )
             continue
         with reading.mistakes_at("parameters", name):
-            parameters.append(_parameter(name, part, solver.inputs[name]))
+            if part.distribution in FROM_DATA:
+                values = (columns or {}).get(name)
+                parameters.append(_from_data(reading, name, part, solver.inputs[name], values))
+            else:
+                parameters.append(_parameter(name, part, solver.inputs[name]))
     declared = len(reading.part.parameters)
     if (
         not declared
@@ -177,6 +193,31 @@ def _contradictions(part: ParameterPart) -> list[str]:
     return found
 
 
+def _from_data(
+    reading: Reading,
+    name: str,
+    part: ParameterPart,
+    taken: Input,
+    values: NDArray[np.float64] | None,
+) -> Parameter:
+    """A parameter whose law is that of a column."""
+    if values is None:
+        raise StudyError(
+            f"distribution: {part.distribution} needs a column of numbers '{name}' in data:; "
+            "write another distribution, or a range"
+        )
+    if part.options:
+        raise StudyError(
+            *(f"distribution: {part.distribution} does not take '{word}'" for word in part.options)
+        )
+    convert = units.conversion(taken.unit if part.unit is None else part.unit, taken.unit)
+    limits = (convert.place(part.range[0]), convert.place(part.range[1])) if part.range else None
+    law, sentence = law_of(part.distribution or "fit", values, limits or UNBOUNDED)
+    _check_accepted(law.support, taken)
+    reading.notes.append(f"{name}: {sentence}")
+    return Parameter(name, law, unit=taken.unit, description=taken.description)
+
+
 def _check_accepted(support: tuple[float, float], taken: Input) -> None:
     """Refuse a support that reaches beyond what the solver accepts."""
     unit = f" {taken.unit}".rstrip()
@@ -237,7 +278,15 @@ def _correlation(reading: Reading, names: list[str]) -> tuple[tuple[float, ...],
 
 def constants_of(reading: Reading, solver: Solver) -> dict[str, float | str]:
     """Fixed values of inputs, in the solver's units; nominal values are not repeated here."""
-    constants = {}
+    constants: dict[str, float | str] = {}
+    if getattr(solver, "recorded", False) and reading.part.constants:
+        reading.wrong(
+            "a table has no constants: each of its columns varies; name columns that are no "
+            "inputs under data: leave_out",
+            "constants",
+            on_key=True,
+        )
+        return constants
     for name, part in reading.part.constants.items():
         if name not in solver.inputs:
             reading.wrong(
@@ -292,7 +341,7 @@ def outputs_of(reading: Reading, solver: Solver, space: Space | None) -> tuple[s
     for index, name in enumerate(names):
         if name not in solver.outputs:
             reading.wrong(
-                f"the solver has no output '{name}'; {nearest(name, solver.outputs)}",
+                f"{_owner(solver)} has no output '{name}'; {nearest(name, solver.outputs)}",
                 "outputs",
                 index,
             )

@@ -7,8 +7,18 @@ from pathlib import Path
 from typing import Any
 
 from surrogate.errors import StudyError
+from surrogate.runs.identity import SolverSpec
+from surrogate.solver import Solver
 from surrogate.stages.screening import ScreeningRule
 from surrogate.study import file as studyfile
+from surrogate.study.reading.data import (
+    Data,
+    columns_of,
+    data_of,
+    described,
+    recorded_of,
+    rows_of,
+)
 from surrogate.study.reading.designs import designs_of
 from surrogate.study.reading.methods import check_screening, sensitivity_of, surrogates_of
 from surrogate.study.reading.mistakes import Reading, sentences
@@ -30,16 +40,18 @@ def fields_of(
     if part is None:
         raise StudyError(*sentences(source, mistakes))
     notes = Reading(part, folder, broken, mistakes)
-    spec, solver = solver_of(notes)
-    space = space_of(notes, solver) if solver else None
+    spec, solver, data = _sources(notes)
+    space = space_of(notes, solver, columns_of(data, solver)) if solver else None
+    constants = constants_of(notes, solver) if solver else {}
+    rows = rows_of(notes, data, space, spec, constants) if data and space else None
     fields: dict[str, Any] = {
         "name": part.study,
         "about": part.about.strip(),
         "spec": spec,
         "space": space,
-        "constants": constants_of(notes, solver) if solver else {},
+        "constants": constants,
         "outputs": outputs_of(notes, solver, space) if solver else (),
-        "designs": (designs := designs_of(notes, space)),
+        "designs": (designs := designs_of(notes, space) | dict(rows.designs if rows else {})),
         "surrogates": surrogates_of(notes, designs, space),
         "sensitivity_method": sensitivity_of(notes, space),
         "execution": part.execution,
@@ -48,7 +60,8 @@ def fields_of(
         check_screening(notes, fields["outputs"])
     rule = part.screening
     fields["screening_rule"] = ScreeningRule(rule.freeze_below, rule.outputs) if rule else None
-    fields["stored_runs"] = stored_of(notes)
+    fields["stored_runs"] = (*stored_of(notes), *([rows.runs] if rows else []))
+    fields["notes"] = (*notes.notes, *(rows.notes if rows else ()))
     fields["validation"] = (
         validation_of(notes, solver, space, fields["outputs"], fields["constants"], study_at)
         if solver
@@ -57,3 +70,16 @@ def fields_of(
     if notes.mistakes:
         raise StudyError(*sentences(source, notes.mistakes))
     return fields
+
+
+def _sources(notes: Reading) -> tuple[SolverSpec, Solver | None, Data | None]:
+    """Where the answers come from: a solver, a table in its place, or both."""
+    if notes.part.solver is not None or notes.part.data is None:
+        spec, solver = solver_of(notes)
+        return spec, solver, data_of(notes, solver) if solver else None
+    data = data_of(notes, None)
+    if data is None:
+        return SolverSpec("data", dict), None, None
+    spec = recorded_of(notes, data)
+    notes.part = described(notes.part, data)
+    return spec, spec.solver, data
