@@ -80,7 +80,7 @@ def assemble(
             **_parameters(space, physical),
             **_outputs(wanted, records, journal),
             **_history(designs, records),
-            **_origins(journal, run_keys),
+            "origin": _origins(journal, run_keys),
         },
         coords={"parameter": list(space.names), **_coordinates(wanted)},
         attrs=_provenance(spec, constants, fixed, study, seeds),
@@ -168,13 +168,11 @@ def _history(designs: Designs, records: list[Record | None]) -> dict[str, Variab
     }
 
 
-def _origins(journal: JournalContents | KnownRuns, run_keys: Sequence[str]) -> dict[str, Variable]:
-    """Where runs come from that are rows of a table; nothing when there are none."""
-    if not isinstance(journal, KnownRuns):
-        return {}
-    origins = np.array([journal.origin(key) for key in run_keys], dtype=str)
-    about = {"long_name": "file and row that the run comes from"}
-    return {"origin": ("run", origins, about)} if (origins != "").any() else {}
+def _origins(journal: JournalContents | KnownRuns, run_keys: Sequence[str]) -> Variable:
+    """Which row of a table each run is; empty for runs of the solver."""
+    known = journal if isinstance(journal, KnownRuns) else None
+    origins = np.array([known.origin(key) if known else "" for key in run_keys], dtype=str)
+    return "run", origins, {"long_name": "file and row that the run comes from"}
 
 
 def _provenance(

@@ -12,6 +12,9 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from surrogate.errors import StudyError
 
 if TYPE_CHECKING:
@@ -51,6 +54,10 @@ class Conversion:
     def place(self, x: float) -> float:
         """A value on the scale, such as a temperature."""
         return self.slope * x + self.offset if self.offset else self.slope * x
+
+    def places(self, x: ArrayLike) -> NDArray[np.float64]:
+        """The same for many values, of any shape."""
+        return np.asarray(self.slope * np.asarray(x, dtype=float) + self.offset)
 
     def distance(self, x: float) -> float:
         """A difference of values, such as a standard deviation."""

@@ -150,7 +150,8 @@ class AskedRuns:
         """Do the runs that neither journal, nor neighbours, nor stored files have.
 
         fresh: all of them, taking nothing over. The other words are those of `execute`. Of a
-        solver whose answers are told none is done; raises `StudyError` for `fresh` then. A table has all runs that it can have.
+        solver whose answers are told none is done; raises `StudyError` for `fresh` then. A table
+        has all runs that it can have.
         """
         if self.spec.recorded:
             return

@@ -39,7 +39,9 @@ def complete(table: Table, names: Iterable[str]) -> Mask:
     return ~np.any(missing, axis=0) if missing else np.ones(table.rows, dtype=bool)
 
 
-def used(table: Table, space: Space, convert: Mapping[str, Callable[..., float]]) -> Used:
+def used(
+    table: Table, space: Space, convert: Mapping[str, Callable[..., NDArray[np.float64]]]
+) -> Used:
     """The rows with all inputs, inside of the ranges and among the levels of the space.
 
     convert: name -> from the column's unit to the parameter's.
@@ -55,7 +57,7 @@ def used(table: Table, space: Space, convert: Mapping[str, Callable[..., float]]
         there = keep & ~table[parameter.name].missing
         inside = np.ones(table.rows, dtype=bool)
         inside[there], coded[there, j] = _placed(
-            parameter, table[parameter.name].values[there], convert.get(parameter.name, float)
+            parameter, table[parameter.name].values[there], convert.get(parameter.name, np.asarray)
         )
         if not inside.all():
             notes.append(f"outside of {_range(parameter)}: {left_out(table, ~inside)}")
@@ -92,7 +94,7 @@ def held_out(groups: NDArray[np.intp], fraction: float, seed: int) -> Mask:
 
 
 def _placed(
-    parameter: Parameter, values: NDArray[np.generic], convert: Callable[..., float]
+    parameter: Parameter, values: NDArray[np.generic], convert: Callable[..., NDArray[np.float64]]
 ) -> tuple[Mask, NDArray[np.float64]]:
     """Which values the parameter can take, and their codes (0 for the others)."""
     codes = np.zeros(len(values))

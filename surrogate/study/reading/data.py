@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -78,6 +78,17 @@ def data_of(reading: Reading, solver: Solver | None) -> Data | None:
     version = hashlib.sha256(path.read_bytes()).hexdigest()[:12]
     reading.notes += [*table.notes, *_told(table, found)]
     return Data(part.file, table, found, version)
+
+
+@dataclass(frozen=True)
+class Standing:
+    """What gives a solver that is there already."""
+
+    solver: Solver
+
+    def __call__(self) -> Solver:
+        """The solver."""
+        return self.solver
 
 
 def _mistakes(part: DataPart, table: Table, solver: Solver | None) -> list[Mistake]:
@@ -172,7 +183,7 @@ def recorded_of(reading: Reading, data: Data) -> SolverSpec:
             unit = column.unit if unit is None else unit
             units.conversion(column.unit or unit, unit)
             answers[name] = Output(unit=unit, description=column.title, gaps=True)
-    return SolverSpec(data.name, partial(Recorded, inputs, answers, data.version))
+    return SolverSpec(data.name, Standing(Recorded(inputs, answers, data.version)))
 
 
 def described(part: StudyPart, data: Data) -> StudyPart:
@@ -207,7 +218,7 @@ def columns_of(data: Data | None, solver: Solver) -> dict[str, NDArray[np.float6
         return {}
     convert = data.convert(solver)
     return {
-        name: np.asarray(convert[name].place(data.table[name].values[~data.table[name].missing]))
+        name: convert[name].places(data.table[name].values[~data.table[name].missing])
         for name in data.roles.inputs
         if name in convert
     }
@@ -239,7 +250,7 @@ def rows_of(
                 f"{table.file} has no column for the parameters {', '.join(lacking)}; its rows "
                 "cannot be runs of this study"
             )
-        used = table_rows.used(table, space, {n: c.place for n, c in convert.items()})
+        used = table_rows.used(table, space, {n: c.places for n, c in convert.items()})
         used = _with_fixed_inputs(data, used, space, spec, constants, convert)
         if not len(used.rows):
             raise StudyError("\n".join([f"no row of {table.file} can be used", *used.notes]))
@@ -288,8 +299,9 @@ def _with_fixed_inputs(
         if isinstance(fixed, str):
             same = values == fixed
         else:
-            x = np.asarray(convert[name].place(values), dtype=float)
-            same = np.abs(x - float(fixed or 0.0)) <= table_rows.SAME * abs(float(fixed or 0.0))
+            wanted = float(fixed or 0.0)
+            x = convert[name].places(values)
+            same = np.asarray(np.abs(x - wanted) <= table_rows.SAME * abs(wanted))
         if not same.all():
             mask = np.isin(np.arange(table.rows), used.rows[~same])
             told = table_rows.left_out(table, mask)
@@ -325,7 +337,7 @@ def _check_replicates(
 
 def _held_out(reading: Reading, data: Data, used: table_rows.Used) -> NDArray[np.bool_]:
     """Which of the used rows are held out, shape (run,)."""
-    part = reading.part.data and reading.part.data.test
+    part = reading.part.data.test if reading.part.data else None
     if part is not None and part.fraction is not None:
         _, groups = np.unique(used.coded, axis=0, return_inverse=True)
         return table_rows.held_out(groups.ravel(), part.fraction, part.seed)
@@ -341,7 +353,7 @@ def _runs(
     space: Space,
     coded: NDArray[np.float64],
     rows: NDArray[np.intp],
-    convert: Mapping[str, Callable[..., Any]] | Mapping[str, units.Conversion],
+    convert: Mapping[str, units.Conversion],
     constants: Mapping[str, float | str],
 ) -> tuple[StoredRuns, list[str]]:
     """The rows as a dataset of runs; a row without any output is a failed run."""
@@ -353,12 +365,9 @@ def _runs(
         for name, value in run_inputs(spec, first, constants)[0].items()
         if name not in physical
     }
-    values = {
-        name: np.asarray(convert[name].place(table[name].values[rows]))  # type: ignore[union-attr]
-        for name in data.roles.outputs
-    }
+    values = {name: convert[name].places(table[name].values[rows]) for name in data.roles.outputs}
     gaps = np.array([np.isnan(column) for column in values.values()])
-    failed = gaps.all(axis=0)
+    failed = np.asarray(gaps.all(axis=0))
     lines = [table.lines[row] for row in rows]
     names = ", ".join(values)
     message = [

@@ -26,6 +26,7 @@ from surrogate.study.reading.runs import stored_of
 from surrogate.study.reading.solver import constants_of, outputs_of, solver_of, space_of
 from surrogate.study.reading.validation import validation_of
 from surrogate.study.source import Source
+from surrogate.tables.recorded import Recorded
 
 
 def fields_of(
@@ -79,7 +80,7 @@ def _sources(notes: Reading) -> tuple[SolverSpec, Solver | None, Data | None]:
         return spec, solver, data_of(notes, solver) if solver else None
     data = data_of(notes, None)
     if data is None:
-        return SolverSpec("data", dict), None, None
+        return SolverSpec(notes.part.data.file, Recorded), None, None
     spec = recorded_of(notes, data)
     notes.part = described(notes.part, data)
     return spec, spec.solver, data
