@@ -13,7 +13,7 @@ from surrogate.solver import Input, Output
 from surrogate.tables.columns import Column
 
 
-@dataclass(frozen=True)
+@dataclass
 class Recorded:
     """What a table of runs tells about itself, as a solver does (`surrogate.solver`).
 

@@ -84,7 +84,7 @@ def data_of(reading: Reading, solver: Solver | None) -> Data | None:
 class Standing:
     """What gives a solver that is there already."""
 
-    solver: Solver
+    solver: Recorded
 
     def __call__(self) -> Solver:
         """The solver."""
@@ -192,7 +192,7 @@ def described(part: StudyPart, data: Data) -> StudyPart:
     parameters = dict(part.parameters)
     for name in data.roles.inputs:
         own, column = parameters.get(name), data.table[name]
-        if own is None or (own.range is None and own.distribution is None and not own.levels):
+        if own is None or not (own.range or own.distribution or own.levels or own.values):
             parameters[name] = _spanned(own, column, complete)
     return part.model_copy(update={"parameters": parameters})
 
