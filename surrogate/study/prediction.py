@@ -64,7 +64,7 @@ def fits_at_hand(
 
     surrogate: its name; None for the best of each output. Raises as `predict` does.
     """
-    stored = _stored(study, results, surrogate)
+    stored, unfound = _stored(study, results, surrogate)
     asked = study if surrogate is None else study.with_surrogates([surrogate])
     stages = walk(asked, results, stored)
     fits = stages.value("fits")
@@ -75,7 +75,7 @@ def fits_at_hand(
     lost = stages.result("fits").not_done if len(found) < len(study.outputs) else ()
     if not found:
         raise FitError("\n".join(lost))
-    return found, [*_note(stored), *lost]
+    return found, [*_note(stored, unfound), *lost]
 
 
 def _row(
@@ -105,25 +105,27 @@ def _with_interval(fit: Fit, coded: Numbers) -> tuple[Numbers, Numbers, Numbers]
     return fit.predict(coded), *fit.interval(coded)
 
 
-def _stored(study: Study, results: Path, surrogate: str | None) -> xr.Dataset:
-    """The runs there are, when the study can predict from them with that surrogate."""
+def _stored(study: Study, results: Path, surrogate: str | None) -> tuple[xr.Dataset, int]:
+    """The runs there are, when the study can predict from them with that surrogate.
+
+    And how many runs more are asked for by designs whose points are not found yet.
+    """
     if not study.surrogates:
         raise StudyError("the study has no surrogates to predict with; add surrogates:")
     if surrogate is not None and surrogate not in study.surrogates:
         raise StudyError(
             f"surrogate '{surrogate}' is unknown; {nearest(surrogate, study.surrogates)}"
         )
-    begun, waiting = study.begun(results)
-    stored = study.stored(results) if waiting and begun.sizes["run"] else begun
+    stored, unfound = study.begun(results)
     if not (stored["status"] == "ok").any():
         raise ResultsError(
             f"{results} holds no finished runs of this study; do `surrogate run` first"
         )
-    return stored
+    return stored, unfound
 
 
-def _note(stored: xr.Dataset) -> list[str]:
-    missing = int((stored["status"] == "missing").sum())
+def _note(stored: xr.Dataset, unfound: int) -> list[str]:
+    missing = int((stored["status"] == "missing").sum()) + unfound
     return (
         [f"{missing} runs of the study are not done yet; the surrogates lack them."]
         if missing

@@ -161,12 +161,14 @@ class Study:
     def broken_constraints(self) -> dict[str, dict[str, int]]:
         """How many points of each design break a constraint of the solver, by its sentence.
 
-        Designs all of whose points keep all constraints are left out. Points are asked for only
-        where the solver declares constraints.
+        Designs all of whose points keep all constraints are left out, and those whose points
+        would have to be searched for first.
         """
         found = {}
-        for name, coded in self.points.items() if constraints_of(self.spec.solver) else ():
-            columns = physical_columns(self.space, {name: coded})
+        for name, design in self.designs.items() if constraints_of(self.spec.solver) else ():
+            if not design.at_hand:
+                continue
+            columns = physical_columns(self.space, {name: design.coded})
             calls = run_inputs(self.spec, columns, self.constants)
             found[name] = broken(self.spec.solver, calls)
         return {name: counts for name, counts in found.items() if counts}

@@ -60,6 +60,14 @@ def test_no_verb_searches_before_a_run(tmp_path, searches):
     assert searches == []
 
 
+def test_check_searches_for_no_points_to_hold_against_constraints(tmp_path, searches):
+    """The bandage declares constraints: those of points that are not found yet are not counted."""
+    parameters = {"nu12": [0.0, 0.4], "K2": [0.05, 0.3], "stretch": [1.2, 1.4]}
+    one = study(solver="leg_bandage", parameters=parameters, outputs=["pressure_b1"])
+    assert terminal.check(one, tmp_path).data["broken_constraints"] == {}
+    assert searches == []
+
+
 def test_a_design_is_found_once(tmp_path, searches):
     """The first run searches; later verbs, in other processes, read the points."""
     runs = run(study(), tmp_path)
@@ -80,6 +88,8 @@ def test_a_new_design_beside_a_kept_one_is_counted(tmp_path, searches):
     two = study(designs={**DATA["designs"], "test": test})
     counts = terminal.status(two, tmp_path).data["runs"]
     assert (counts["ok"], counts["missing"]) == (12, 8)
+    found = prediction.predict(two, tmp_path, None, ["X1=0", "X2=0", "X3=0"], None)
+    assert len(found.rows) == 1 and found.note.startswith("8 runs of the study are not done yet")
     assert searches == [12]
     assert run(two, tmp_path).sizes["run"] == 20
 
