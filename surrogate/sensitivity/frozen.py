@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy import stats
 
 from surrogate.estimator import Array
-from surrogate.sensitivity.draws import Measure, spread
+from surrogate.sensitivity.draws import Measure, Spread, spread
 from surrogate.sensitivity.model import Model, Seed
 from surrogate.sensitivity.pick_freeze import (
     ROUNDING,
@@ -17,13 +19,15 @@ from surrogate.sensitivity.pick_freeze import (
     pilot,
     unit_blocks,
 )
+from surrogate.sensitivity.unexplained import Unexplained
 
 
 @dataclass(frozen=True)
 class VarianceKept:
     """Share of one output's variance that the parameters kept explain, and its interval.
 
-    share         1 - total index of the frozen group (Sobol' 1993), with low and high
+    share         1 - total index of the frozen group (Sobol' 1993), with low and high; of
+                  dependent inputs 1 - E[Var(f | kept inputs)] / Var f
     frozen_error  mean square of f(x) - f(kept x, frozen at their values), over the variance:
                   the share that the reduced model misses. At least 1 - share, and twice
                   that on average over places to freeze at (Sobol', Tarantola, Gatelli,
@@ -51,25 +55,12 @@ def variance_kept(
     """Variance kept when the inputs numbered `frozen` rest at the coded point `at` (d,)."""
     if not frozen:
         return VarianceKept(one.output, 1.0, 1.0, 1.0, 0.0)
-    sampled = pick_freeze(
-        one.predict,
-        one.space,
-        groups=[frozen],
-        samples=samples,
-        scramblings=scramblings,
-        confidence=confidence,
-        seed=seed,
+    options = {"draws": draws, "confidence": confidence, "seed": seed}
+    total, half, surrogate = (_lost if one.space.independent else _lost_dependent)(
+        one, frozen, samples, scramblings, options
     )
-    surrogate = spread(
-        one,
-        Measure(one.space, groups=[frozen], seed=seed),
-        draws=draws,
-        confidence=confidence,
-        seed=seed,
-    )[1]
-    total, half = sampled.total[0], sampled.half["total"][0]
-    low = 1.0 - (total + np.hypot(half, surrogate.above[0]))
-    high = 1.0 - (total - np.hypot(half, surrogate.below[0]))
+    low = 1.0 - (total + np.hypot(half, surrogate.above.item(0)))
+    high = 1.0 - (total - np.hypot(half, surrogate.below.item(0)))
     low, high = (0.0 if np.isnan(low) else low), (1.0 if np.isnan(high) else high)
     return VarianceKept(
         one.output,
@@ -78,6 +69,36 @@ def variance_kept(
         float(np.clip(high, 0.0, 1.0)),
         frozen_error(one, frozen, at, samples=samples, seed=seed),
     )
+
+
+def _lost(
+    one: Model, frozen: list[int], samples: int, scramblings: int, options: dict[str, Any]
+) -> tuple[float, float, Spread]:
+    """Total index of the group, half-width of its sampling interval, the surrogate's part."""
+    sampled = pick_freeze(
+        one.predict,
+        one.space,
+        groups=[frozen],
+        samples=samples,
+        scramblings=scramblings,
+        confidence=options["confidence"],
+        seed=options["seed"],
+    )
+    measure = Measure(one.space, groups=[frozen], seed=options["seed"])
+    surrogate = spread(one, measure, **options)[1]
+    return sampled.total[0], sampled.half["total"][0], surrogate
+
+
+def _lost_dependent(
+    one: Model, frozen: list[int], samples: int, scramblings: int, options: dict[str, Any]
+) -> tuple[float, float, Spread]:
+    """The same for dependent inputs, of E[Var(f | kept inputs)] / Var f."""
+    measure = Unexplained(one.space, tuple(frozen), options["seed"])
+    runs = per_scrambling(samples, scramblings)
+    (share,), (error,) = measure.sampled(one.predict, runs, scramblings)
+    quantile = stats.t.ppf(0.5 + 0.5 * options["confidence"], scramblings - 1)
+    surrogate = spread(one, measure, **options)[0]
+    return float(share[0]), float(quantile * error[0]), surrogate
 
 
 def frozen_error(

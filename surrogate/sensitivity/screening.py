@@ -12,6 +12,7 @@ import xarray as xr
 from surrogate.errors import StudyError, nearest
 from surrogate.estimator import Array
 from surrogate.sensitivity.frozen import VarianceKept, variance_kept
+from surrogate.sensitivity.importance import TOTAL, importance
 from surrogate.sensitivity.model import Analysed, Model, Seed, model
 from surrogate.sensitivity.one_at_a_time import base_point, one_at_a_time, quantity
 from surrogate.space.space import Space
@@ -21,8 +22,8 @@ from surrogate.space.space import Space
 class Verdict:
     """The decision on one parameter.
 
-    total, high      largest total index over the outputs concerned, and largest upper bound
-    worst_case       largest total index should all that a surrogate misses be this parameter's
+    total, high      largest index that decides over the outputs, and largest upper bound
+    worst_case       largest such index should all that a surrogate misses be this parameter's
     one_at_a_time    its largest share of the sum of effects of one parameter at a time
     kept_by_old_rule whether the rule on those shares keeps it for some output
     value            where it is frozen, in the parameter's unit; None when kept
@@ -46,6 +47,7 @@ class Screening:
 
     refused    why nothing was decided, or empty; then every parameter is kept
     threshold  of the old rule, a share of the sum of effects
+    index      what decides, in words
     """
 
     freeze_below: float
@@ -55,6 +57,7 @@ class Screening:
     variance_kept: tuple[VarianceKept, ...]
     threshold: float
     refused: str = ""
+    index: str = TOTAL
 
     @property
     def keep(self) -> tuple[str, ...]:
@@ -114,10 +117,11 @@ def decide(
     draws: int = 100,
     seed: Seed = 0,
 ) -> Screening:
-    """Freeze each parameter whose total index has an interval below `freeze_below`.
+    """Freeze each parameter whose index has an interval below `freeze_below`.
 
-    indices    dataset of method sobol; the upper end of the interval of the total index
-               decides, for every output concerned
+    indices    dataset of method sobol, or of shapley; the upper end of the interval of the
+               index that `surrogate.sensitivity.importance` names decides, for every output
+               concerned: the total index, or the largest of three for dependent parameters
     fits       output -> fit (or function of coded points) that the indices were computed of
     outputs    the outputs concerned; default: all in `indices`
     nominal    name -> physical value at which to freeze; default: the middle of the range
@@ -126,6 +130,7 @@ def decide(
     When an output's indices carry a refusal nothing is frozen. Raises `StudyError` for an
     output or index that is not there.
     """
+    indices = importance(indices)
     outputs = _concerned(indices, fits, outputs)
     chosen = indices.sel(output=list(outputs))
     at = base_point(space, nominal)
@@ -153,19 +158,21 @@ def decide(
         for name in outputs
     )
     return Screening(
-        freeze_below, indices.attrs["confidence"], outputs, verdicts, kept, threshold, refused
+        freeze_below,
+        indices.attrs["confidence"],
+        outputs,
+        verdicts,
+        kept,
+        threshold,
+        refused,
+        indices.attrs["decides"],
     )
 
 
 def _concerned(
     indices: xr.Dataset, fits: Mapping[str, Analysed], outputs: Sequence[str] | None
 ) -> tuple[str, ...]:
-    """Names of the outputs concerned, all of which have total indices and a fit."""
-    if "total_high" not in indices:
-        raise StudyError(
-            f"screening needs total indices, which method "
-            f"{indices.attrs.get('method')} does not give; use method sobol"
-        )
+    """Names of the outputs concerned, all of which have indices and a fit."""
     there = [str(name) for name in indices["output"].values]
     outputs = tuple(there if outputs is None else outputs)
     for name in outputs:
@@ -211,17 +218,17 @@ def _verdict(
 
 def _sentence(row: xr.Dataset, value: str, freeze_below: float, frozen: bool, refused: str) -> str:
     """The decision on one parameter and its reason, from the output where it matters most."""
-    name, output = row["parameter"].item(), row["output"].item()
+    name, output, index = (row[key].item() for key in ("parameter", "output", "index"))
     total, low, high = (float(row[key]) for key in ("total", "total_low", "total_high"))
     if refused:
         return f"{name}: keep, because its indices cannot be trusted."
     if frozen:
         return (
-            f"{name}: freeze at {value}. Its total index is at most {high:.2g} ({output}), "
+            f"{name}: freeze at {value}. Its {index} is at most {high:.2g} ({output}), "
             f"below {freeze_below:g}."
         )
     if low >= freeze_below:
-        return f"{name}: keep. Its total index is {total:.2g} and at least {low:.2g} ({output})."
+        return f"{name}: keep. Its {index} is {total:.2g} and at least {low:.2g} ({output})."
     missed = 1.0 - float(row["q2"])
     cause = (
         f"the surrogate misses {missed:.1%} of the variance; a more accurate surrogate may decide"
@@ -229,7 +236,7 @@ def _sentence(row: xr.Dataset, value: str, freeze_below: float, frozen: bool, re
         else "more samples or more runs may decide"
     )
     return (
-        f"{name}: keep, undecided. Its total index is {total:.2g}, at most {high:.2g} ({output}), "
+        f"{name}: keep, undecided. Its {index} is {total:.2g}, at most {high:.2g} ({output}), "
         f"and the limit is {freeze_below:g}: {cause}."
     )
 

@@ -218,7 +218,7 @@ class SensitivityPart(OpenPart):
 
 
 class ScreeningPart(Part):
-    """Freeze a parameter when its total index is surely below a limit."""
+    """Freeze a parameter when its total index (or Shapley effect) is surely below a limit."""
 
     freeze_below: float = Field(0.02, gt=0, lt=1)
     outputs: Texts = Field(

@@ -21,6 +21,7 @@ from surrogate.report.blocks import (
 from surrogate.report.content import Content
 from surrogate.report.figures.sobol import share_plot
 from surrogate.sensitivity.frozen import VarianceKept
+from surrogate.sensitivity.importance import TOTAL
 from surrogate.sensitivity.screening import Screening, Verdict
 
 #: Names written out in a sentence; the table has them all.
@@ -56,7 +57,7 @@ def sentence(decision: Screening) -> str:
     if decision.refused:
         return "Nothing is frozen, because the indices cannot be trusted."
     rule = (
-        f"the {digits.percent(decision.confidence)} interval of its total index lies below "
+        f"the {digits.percent(decision.confidence)} interval of its {decision.index} lies below "
         f"{digits.number(decision.freeze_below)}"
     )
     if not decision.freeze:
@@ -82,7 +83,7 @@ def _verdicts(content: Content, decision: Screening) -> Table:
     titles = [
         "parameter",
         "decision",
-        "total index",
+        "total index" if decision.index == TOTAL else "largest index",
         "worst case",
         "one-at-a-time share",
         f"{digits.percent(decision.threshold)} rule",
@@ -95,13 +96,18 @@ def _verdicts(content: Content, decision: Screening) -> Table:
         else ""
     )
     return Table(
-        f"The decision on each parameter.{several} Total index: its value, and the upper end of "
-        "its interval, which decides. Worst case: largest possible total index of the solver "
-        "itself, if all variance that the surrogate misses were due to this parameter. "
-        "One-at-a-time shares are shown for comparison only.",
+        f"The decision on each parameter.{several} {_capital(decision.index)}: its value, and "
+        "the upper end of its interval, which decides. Worst case: largest possible "
+        f"{'total ' if decision.index == TOTAL else ''}index of the solver itself, if all "
+        "variance that the surrogate misses were due to this parameter. One-at-a-time shares "
+        "are shown for comparison only.",
         tuple(Head(title, numeric=k in (2, 3, 4)) for k, title in enumerate(titles)),
         rows,
     )
+
+
+def _capital(words: str) -> str:
+    return words[:1].upper() + words[1:]
 
 
 def _row(content: Content, verdict: Verdict) -> tuple[Cell, ...]:
@@ -120,7 +126,7 @@ def _row(content: Content, verdict: Verdict) -> tuple[Cell, ...]:
 def _reason(verdict: Verdict) -> str:
     """The verdict's sentence without the parameter's name, which stands at the row's head."""
     words = verdict.sentence.removeprefix(f"{verdict.parameter}: ")
-    return words[:1].upper() + words[1:]
+    return _capital(words)
 
 
 def _decision(content: Content, verdict: Verdict) -> str:
@@ -168,8 +174,9 @@ def _shares(decision: Screening) -> Figure:
     )
     return Figure(
         plot,
-        "Square: share of the one-at-a-time effects. Disc: total index, with the upper half of "
-        "its interval. Dashed: limit for freezing. The two do not compare in size: an index is "
+        f"Square: share of the one-at-a-time effects. Disc: {decision.index}, with the upper "
+        "half of its interval. Dashed: limit for freezing. The two do not compare in size: an "
+        "index is "
         "a share of the variance, in which effects count squared.",
     )
 

@@ -117,7 +117,9 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
     part = reading.part.sensitivity
     if part is None:
         if reading.part.screening is not None and not reading.is_broken("sensitivity"):
-            reading.wrong("screening needs sensitivity: {method: sobol}", "screening", on_key=True)
+            reading.wrong(
+                "screening needs sensitivity: {method: sobol}, or shapley", "screening", on_key=True
+            )
         return None
     names = ["best", *reading.part.surrogates]
     if not reading.part.surrogates and not any(p[0] == "surrogates" for p in reading.broken):
@@ -142,10 +144,10 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
                 "sensitivity",
                 "method",
             )
-        if reading.part.screening is not None and part.method != "sobol":
+        if reading.part.screening is not None and part.method not in ("sobol", "shapley"):
             reading.wrong(
-                "screening decides by the total indices of method sobol, not "
-                f"{part.method}; change the method, or drop screening",
+                "screening decides by the total indices of method sobol, or by the indices of "
+                f"method shapley, not {part.method}; change the method, or drop screening",
                 "screening",
                 on_key=True,
             )
