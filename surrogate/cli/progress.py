@@ -17,7 +17,7 @@ from rich.progress import (
     TimeElapsedColumn,
 )
 
-from surrogate.execution.execute import Progress as Tally
+from surrogate.execution.progress import Progress as Tally
 from surrogate.stages.stage import Step
 
 

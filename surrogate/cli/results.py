@@ -25,7 +25,7 @@ from typing import Any
 import xarray as xr
 
 from surrogate.errors import ResultsError, StudyError
-from surrogate.execution.execute import Progress
+from surrogate.execution.progress import Progress
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
 from surrogate.stages.stage import Step

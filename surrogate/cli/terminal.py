@@ -105,7 +105,7 @@ def _seconds_left(study: Study, stored: xr.Dataset, unfound: int) -> float | Non
     """Estimated time of the runs to do; None when unknown, as of answers that are told."""
     if study.spec.told:
         return None
-    return rundata.seconds_left(stored, study.workers, unfound)
+    return rundata.seconds_left(stored, study.places, unfound)
 
 
 def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int], unfound: int) -> str:
@@ -123,7 +123,7 @@ def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int], unfo
     time = (
         "time unknown until the first run is done"
         if seconds is None
-        else f"about {duration(seconds)} with {study.workers} workers"
+        else f"about {duration(seconds)} with {study.places} workers"
     )
     return f"runs: {total}, of which {total - left} are stored{from_files}; {left} to do: {time}"
 

@@ -7,52 +7,28 @@ finished is in the journal, whenever and however the program ends.
 
 from __future__ import annotations
 
-import math
-import os
-import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
-from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from surrogate.errors import ResultsError, StudyError
-from surrogate.execution.executors import ExecutorRuns
+from surrogate.execution.attempts import finished_runs
+from surrogate.execution.backend import Backend, RunSettings, Start, cores
+from surrogate.execution.executors.futures import in_executor
+from surrogate.execution.executors.local import local
 from surrogate.execution.handle import Task
-from surrogate.execution.pool import Pool
+from surrogate.execution.memory import KNOWN
+from surrogate.execution.progress import Progress, Tally
 from surrogate.execution.stopping import Stop, stop_on_signals
 from surrogate.runs.identity import SolverSpec, keys, run_inputs
 from surrogate.runs.journal import Journal, read
 from surrogate.runs.record import Record
 from surrogate.runs.stored import KnownRuns, StoredMatches
 from surrogate.solver import Output
-
-#: More attempts, by default, for a run that the machine lost: killed for memory, a node's end.
-LOST_AGAIN = 2
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far the runs are.
-
-    total         different runs that the designs ask for
-    reused        of these, found in the journal
-    done          of these, finished now or before, failed ones included
-    failed        of these, without an answer (failed or timed out)
-    seconds_left  estimate from the runs of this time, and before from those of earlier times
-    last          the run that just ended
-    finishing     runs under way that are waited for after Ctrl-C; None as long as runs start
-    """
-
-    total: int
-    reused: int = 0
-    done: int = 0
-    failed: int = 0
-    seconds_left: float | None = None
-    last: Record | None = None
-    finishing: int | None = None
 
 
 def execute(
@@ -69,7 +45,8 @@ def execute(
     rerun: Iterable[str] = (),
     others: Iterable[str | Path] = (),
     given: StoredMatches | None = None,
-    executor: Executor | None = None,
+    executor: Executor | Start | None = None,
+    memory: float | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Progress:
     """Run the solver at each row of `columns` that the journal does not have; return the tally.
@@ -78,7 +55,7 @@ def execute(
     journal    folder of the journal
     outputs    names of the outputs to keep; None keeps all
     workers    processes, or runs at a time in `executor` (no more than it has places);
-               None: as many as there are cores
+               None: as many as there are cores, or places of a cluster
     threads    of numerical libraries in each worker; None: cores / workers
     timeout    seconds that one run may take; None for any. A run that takes longer is killed
     retries    more attempts for a run that crashed, hung or raised, at least `LOST_AGAIN` for
@@ -89,8 +66,10 @@ def execute(
                again in any case
     others     folders of other studies' journals; their good runs are copied, not repeated
     given      stored runs: neither repeated nor copied
-    executor   any concurrent.futures executor. It cannot kill a run: one over time is given
+    executor   starts another backend than local processes (surrogate.execution.executors), or
+               any concurrent.futures executor. That cannot kill a run: one over time is given
                up and its place in the executor stays taken
+    memory     bytes that a run may use with all that it starts; one above it is killed
     progress   called with a `Progress` at the start and after each run
 
     A first Ctrl-C waits for the runs under way, a second one or SIGTERM stops at once. Raises
@@ -98,7 +77,7 @@ def execute(
     `ResultsError` when the journal is in use or the disk full; `StudyError` for wrong
     arguments; `PluginError` when workers cannot build the solver.
     """
-    _check(workers, threads, timeout, retries, rerun)
+    _check(workers, threads, timeout, retries, rerun, memory)
     wanted, given = spec.wanted(outputs), given or StoredMatches()
     asked = run_inputs(spec, columns, constants)
     runs = dict(zip(keys(spec, asked), asked, strict=True))
@@ -107,19 +86,17 @@ def execute(
         missing = [key for key in runs if not _settled(known.get(key), wanted, timeout, rerun)]
         missing = _adopt(book, missing, wanted, others)
         queue = deque(Task(key, runs[key]) for key in missing)
-        workers = min(workers or cores(), max(1, len(queue)))
-        threads = threads or max(1, cores() // workers)
-        tally = _Tally(Progress(len(runs)), workers, progress or (lambda _: None))
+        if executor is None:
+            workers = min(workers or cores(), max(1, len(queue)))
+        tally = Tally(Progress(len(runs)), workers or cores(), progress or (lambda _: None))
         known = KnownRuns(book.contents, given, wanted).records
         tally.start([known[key] for key in runs.keys() - set(missing)])
         if queue:
+            settings = RunSettings(
+                spec, wanted, workers, threads, timeout, memory, retries, Path(journal).parent
+            )
             with stop_on_signals() as stop:
-                place = (
-                    Pool(spec, wanted, workers, threads, timeout, retries)
-                    if executor is None
-                    else ExecutorRuns(executor, spec, wanted, workers, timeout)
-                )
-                _record(place, stop, queue, book, tally, spec, timeout, retries)
+                _record(_starter(executor)(settings), settings, stop, queue, book, tally)
                 if stop.finish:
                     raise KeyboardInterrupt(
                         f"stopped: {tally.now.done} of {tally.now.total} runs "
@@ -128,11 +105,10 @@ def execute(
     return tally.now
 
 
-def cores() -> int:
-    """Cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
+def _starter(executor: Executor | Start | None) -> Start:
+    if executor is None:
+        return local
+    return partial(in_executor, executor) if isinstance(executor, Executor) else executor
 
 
 def _check(
@@ -141,6 +117,7 @@ def _check(
     timeout: float | None,
     retries: int,
     rerun: Iterable[str],
+    memory: float | None,
 ) -> None:
     mistakes = [
         f"{name}: {value} must be 1 or more"
@@ -149,6 +126,10 @@ def _check(
     ]
     if timeout is not None and not timeout > 0:
         mistakes.append(f"timeout: {timeout:g} s must be above 0")
+    if memory is not None and not memory > 0:
+        mistakes.append(f"memory: {memory:g} bytes must be above 0")
+    if memory is not None and not KNOWN:
+        mistakes.append("memory: only Linux tells how much a run holds; leave the limit out")
     if retries < 0:
         mistakes.append(f"retries: {retries} must be 0 or more")
     mistakes += [
@@ -199,48 +180,25 @@ def _adopt(
 
 
 def _record(
-    place: Pool | ExecutorRuns,
+    backend: Backend,
+    settings: RunSettings,
     stop: Stop,
     queue: deque[Task],
     book: Journal,
-    tally: _Tally,
-    spec: SolverSpec,
-    timeout: float | None,
-    retries: int,
+    tally: Tally,
 ) -> None:
-    """Write what `place` gives into the journal; put failed runs back while they may."""
-    described = spec.described
-    with closing(place.results(queue, stop)) as source:
-        for event in source:
-            if stop.finish and tally.now.finishing is None:
-                tally.finish(place.under_way)
-            if event is None:
-                book.sync()
-                continue
-            task, outcome = event
-            task.attempts += 1
-            decided = outcome.answered and (spec.deterministic or outcome.status == "ok")
-            allowed = max(retries, LOST_AGAIN) if outcome.lost else retries
-            if outcome.status != "ok" and not decided and task.attempts <= allowed:
-                queue.append(task)
-                continue
-            record = Record(
-                task.key,
-                task.call,
-                outcome.status,
-                outcome.message,
-                outcome.seconds,
-                task.attempts,
-                time.time(),
-                timeout,
-                outcome.outputs,
-                solver=described,
-                lost=outcome.lost,
-            )
-            if spec.deterministic:
-                record = _with_earlier(record, book.records.get(task.key))
-            book.append(record, outcome.fields)
-            tally.add(record)
+    """Write what the backend gives into the journal."""
+    for finished in finished_runs(backend, settings, queue, stop):
+        if stop.finish and tally.now.finishing is None:
+            tally.finish(backend.under_way)
+        if finished is None:
+            book.sync()
+            continue
+        record, fields = finished
+        if settings.spec.deterministic:
+            record = _with_earlier(record, book.records.get(record.key))
+        book.append(record, fields)
+        tally.add(record)
 
 
 def _with_earlier(record: Record, earlier: Record | None) -> Record:
@@ -248,45 +206,3 @@ def _with_earlier(record: Record, earlier: Record | None) -> Record:
     if earlier is None or record.status != "ok":
         return record
     return replace(record, outputs={**earlier.outputs, **record.outputs}, fields=earlier.fields)
-
-
-class _Tally:
-    """Counts runs, estimates the time left, and tells the listener."""
-
-    def __init__(self, now: Progress, workers: int, listener: Callable[[Progress], None]):
-        self.now, self.workers, self.listener = now, workers, listener
-        self.seconds: list[float] = []
-        self.earlier: float | None = None
-
-    def start(self, records: list[Record]) -> None:
-        """Count the runs that the journal has."""
-        good = [record.seconds for record in records if record.status == "ok"]
-        timed = [seconds for seconds in good if math.isfinite(seconds)]  # rows of a table are not
-        self.earlier = sum(timed) / len(timed) if timed else None
-        failed = len(records) - len(good)
-        self.now = replace(self.now, reused=len(records), done=len(records), failed=failed)
-        self._tell()
-
-    def add(self, record: Record) -> None:
-        """Count a run that just ended."""
-        self.seconds.append(record.seconds * record.attempts)
-        self.now = replace(
-            self.now,
-            done=self.now.done + 1,
-            last=record,
-            failed=self.now.failed + (record.status != "ok"),
-        )
-        self._tell()
-
-    def finish(self, under_way: int) -> None:
-        """No more runs start; those under way are waited for."""
-        self.now = replace(self.now, finishing=under_way)
-        self._tell()
-
-    def _tell(self) -> None:
-        recent = self.seconds[-100:]
-        mean = sum(recent) / len(recent) if recent else self.earlier
-        left = self.now.total - self.now.done
-        seconds = None if left and mean is None else left * (mean or 0.0) / self.workers
-        self.now = replace(self.now, seconds_left=seconds)
-        self.listener(self.now)

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from surrogate.execution.execute import Progress, execute
+from surrogate.execution.execute import execute
+from surrogate.execution.progress import Progress
 from surrogate.runs.identity import SolverSpec
 from surrogate.runs.journal import Journal, read
 

@@ -17,8 +17,9 @@ from multiprocessing.connection import wait
 from pathlib import Path
 
 from surrogate.errors import PluginError, SurrogateError
-from surrogate.execution import guardian
+from surrogate.execution import guardian, memory
 from surrogate.execution.answers import Outcome
+from surrogate.execution.backend import Event
 from surrogate.execution.channel import TOKEN_BYTES, Channel, Garbled
 from surrogate.execution.clock import TICK, RunClock
 from surrogate.execution.folder import owned_folder, worker_place
@@ -43,8 +44,6 @@ BUILD_SECONDS = 30.0
 #: Seconds between two attempts to send what found no room in a pipe.
 FLUSH_SECONDS = 0.01
 
-Event = tuple[Task, Outcome] | None
-
 
 @dataclass
 class Pool:
@@ -52,6 +51,7 @@ class Pool:
 
     threads  for numerical libraries in each worker; timeout: seconds a run may take, or None.
     retries  more attempts for a worker that is killed while it starts
+    memory   bytes that a run may hold with all that it started, or None
     """
 
     spec: SolverSpec
@@ -60,6 +60,7 @@ class Pool:
     threads: int
     timeout: float | None = None
     retries: int = 0
+    memory: float | None = None
 
     def __post_init__(self) -> None:
         self._parcel = parcel(self.spec)
@@ -68,7 +69,7 @@ class Pool:
         self._mean_seconds: float | None = None
         self._clock = RunClock()
         self._numbers, self._places = count(1), count(1)
-        self._looked = 0.0
+        self._looked = self._weighed = 0.0
 
     @property
     def under_way(self) -> int:
@@ -76,13 +77,7 @@ class Pool:
         return sum(bool(worker.tasks) for worker in self._team)
 
     def results(self, queue: deque[Task], stop: Stop) -> Generator[Event, None, None]:
-        """Yield (task, outcome) as runs end, and None now and then when none does.
-
-        Whoever consumes it may append tasks to the queue. It ends when the queue is empty
-        and no run goes on, or as `stop` asks: then finished runs are still yielded and
-        the others are given up. Raises `PluginError` when workers cannot build the solver,
-        `SurrogateError` when they are killed from outside again and again.
-        """
+        """As `Backend.results`; `SurrogateError` when workers are killed again and again."""
         with owned_folder() as folder:
             self._guardian = Guardian(folder)
             try:
@@ -92,6 +87,7 @@ class Pool:
                         self._feed(queue)
                     yield from self._listen(queue)
                     yield from self._end_overdue(queue)
+                    yield from self._end_overweight(queue)
                     yield None
                 for worker in self._team:
                     yield from self._hear(worker, queue)
@@ -264,6 +260,16 @@ class Pool:
                     message = f"stopped after {self.timeout:g} s, the time limit of a run"
                     message += worker.last_words()
                     yield from self._end(worker, queue, "timed_out", message)
+
+    def _end_overweight(self, queue: deque[Task]) -> Iterator[Event]:
+        moment = time.monotonic()
+        if self.memory is None or moment - self._weighed < memory.LOOK_SECONDS:
+            return
+        self._weighed = moment
+        for worker in [worker for worker in self._team if worker.tasks]:
+            if memory.is_above(self.memory, worker.pid, worker.place):
+                message = f"stopped above {self.memory / 1e9:g} GB, the memory limit of a run"
+                yield from self._end(worker, queue, "failed", message + worker.last_words())
 
     def _dismiss(self) -> None:
         """End all workers; idle ones may leave by themselves first."""

@@ -139,6 +139,17 @@ def seconds(text: str | float) -> float:
         ) from None
 
 
+def size(text: str | float) -> float:
+    """Bytes of a size such as '4 GB', '512 MiB' or a number of bytes."""
+    if isinstance(text, (int, float)) and not isinstance(text, bool):
+        return float(text)
+    try:
+        return quantity(str(text), "byte")
+    except StudyError:
+        shown = text if len(str(text)) <= _LONGEST_UNIT else f"{str(text)[:_LONGEST_UNIT]}..."
+        raise StudyError(f"size '{shown}' is not understood; write '4 GB' or '512 MB'") from None
+
+
 def quantity(text: str, target: str) -> float:
     """Number in `target` units of a text such as '98', '98 N/m', '98N/m' or '1e-3'.
 

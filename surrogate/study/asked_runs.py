@@ -15,8 +15,10 @@ import xarray as xr
 
 from surrogate.designs.design import Design
 from surrogate.errors import StudyError
-from surrogate.execution.execute import Progress, execute
+from surrogate.execution.backend import Start
+from surrogate.execution.execute import execute
 from surrogate.execution.fresh import execute_fresh
+from surrogate.execution.progress import Progress
 from surrogate.runs import stored as storing
 from surrogate.runs.assembly import assemble, physical_columns
 from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
@@ -142,7 +144,7 @@ class AskedRuns:
         execution: ExecutionPart,
         *,
         workers: int | None,
-        executor: Executor | None,
+        executor: Executor | Start | None,
         rerun: tuple[str, ...],
         fresh: bool,
         progress: Callable[[Progress], None] | None,
@@ -167,8 +169,9 @@ class AskedRuns:
             "journal": self.journal,
             "constants": self.constants,
             "outputs": self.outputs,
-            "workers": workers or execution.workers,
+            "workers": workers or execution.at_once,
             "timeout": execution.timeout,
+            "memory": execution.memory,
             "retries": execution.retries,
             "executor": executor,
             "progress": progress,

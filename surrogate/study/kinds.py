@@ -13,7 +13,7 @@ from typing_extensions import get_type_hints
 
 from surrogate.errors import PluginError
 from surrogate.stages.plugin import parameters_of
-from surrogate.study.plugins import AUGMENTATIONS, DESIGNS, REGRESSORS, SOLVERS
+from surrogate.study.plugins import AUGMENTATIONS, DESIGNS, EXECUTORS, REGRESSORS, SOLVERS
 from surrogate.study.solver_factory import is_built
 
 
@@ -35,6 +35,10 @@ def _is_regressor(found: Any) -> bool:
 
 def _is_design(found: Any) -> bool:
     return not callable(found) or "space" in parameters_of(found)
+
+
+def _is_executor(found: Any) -> bool:
+    return _makes(found, ("submit", "shutdown"))
 
 
 def _makes(found: Any, words: tuple[str, ...]) -> bool:
@@ -68,5 +72,10 @@ _KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
         "a regressor is a class with fit and predict, or a function annotated to return one",
     ),
     DESIGNS: (_is_design, "a design is a function of `space` that gives coded points"),
+    EXECUTORS: (
+        _is_executor,
+        "an executor is a class of concurrent.futures' Executor, or a function annotated to "
+        "return one",
+    ),
     AUGMENTATIONS: (_is_design, "an augmentation is a function of `space` and `coded`"),
 }

@@ -32,6 +32,20 @@ def _seconds(value: Any) -> float | None:
         raise ValueError(str(error)) from None
 
 
+def _bytes(value: Any) -> float | None:
+    from surrogate.space import units
+
+    try:
+        return None if value is None else units.size(value)
+    except StudyError as error:
+        raise ValueError(str(error)) from None
+
+
+#: Bytes.
+Size = Annotated[
+    float | None, BeforeValidator(_bytes, json_schema_input_type=str | float), Field(gt=0)
+]
+
 Duration = Annotated[
     float | None, BeforeValidator(_seconds, json_schema_input_type=str | float), Field(gt=0)
 ]
@@ -252,9 +266,24 @@ class ValidationPart(Part):
 class ExecutionPart(Part):
     """How the runs are carried out."""
 
-    workers: int | None = Field(None, ge=1, description="Processes; default: one a core.")
+    executor: str = Field(
+        "local",
+        description="Where: local, threads, serial, dask, slurm, pbs, lsf, sge, shared_folder, "
+        "or module:function that gives an executor of concurrent.futures.",
+    )
+    options: dict[str, Any] = Field({}, description="Options of that executor.")
+    places: int | None = Field(
+        None, ge=1, description="Runs at once; default: one a core, or all that a cluster has."
+    )
+    workers: int | None = Field(None, ge=1, description="Another word for places.")
+    memory: Size = Field(None, description="Most memory of a run: 4 GB.")
     timeout: Duration = Field(None, description="Longest time of a run: 30 s, 30 min, 2 h.")
     retries: int = Field(0, ge=0, description="Further attempts of a failed run.")
+
+    @property
+    def at_once(self) -> int | None:
+        """Runs at once; None for as many as there is room for."""
+        return self.places or self.workers
 
 
 class StudyPart(Part):

@@ -1,9 +1,9 @@
 """Names to objects: entry points and `module:object`.
 
 Entry-point groups: `surrogate.solvers`, `surrogate.designs`,
-`surrogate.augmentations`, `surrogate.regressors`, `surrogate.sensitivity`. The
-built-in plug-ins are registered in the same way, so an installed package needs
-no edit here.
+`surrogate.augmentations`, `surrogate.regressors`, `surrogate.sensitivity`,
+`surrogate.executors`. The built-in plug-ins are registered in the same way, so an
+installed package needs no edit here.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ DESIGNS = "surrogate.designs"
 AUGMENTATIONS = "surrogate.augmentations"
 REGRESSORS = "surrogate.regressors"
 SENSITIVITY = "surrogate.sensitivity"
+EXECUTORS = "surrogate.executors"
 #: The groups, and what one of each is called.
 NOUNS = {
     SOLVERS: "solver",
@@ -27,6 +28,7 @@ NOUNS = {
     AUGMENTATIONS: "augmentation",
     REGRESSORS: "regressor",
     SENSITIVITY: "sensitivity method",
+    EXECUTORS: "executor",
 }
 
 

@@ -14,7 +14,8 @@ import xarray as xr
 
 from surrogate.designs.aliasing import Aliasing
 from surrogate.designs.design import Design
-from surrogate.execution.execute import Progress, cores
+from surrogate.execution.backend import cores
+from surrogate.execution.progress import Progress
 from surrogate.fitting.comparison import best
 from surrogate.fitting.fit import Fit
 from surrogate.runs.assembly import physical_columns
@@ -104,9 +105,20 @@ class Study:
         return Path(self.source.name).parent
 
     @property
+    def _beside(self) -> Path | None:
+        """Folder of the study file, where its modules lie; None for a study without a file."""
+        return self.place.resolve() if self.source.name else None
+
+    @property
     def workers(self) -> int:
-        """Processes that run the solver."""
-        return self.execution.workers or cores()
+        """Processes of this machine for what follows the runs."""
+        here = self.execution.executor in ("local", "threads")
+        return self.execution.at_once if here and self.execution.at_once else cores()
+
+    @property
+    def places(self) -> int:
+        """Runs at once, as far as that is known before they begin."""
+        return self.execution.at_once or cores()
 
     def with_surrogates(self, names: Iterable[str]) -> Study:
         """The same study with only these surrogates."""
@@ -230,7 +242,7 @@ class Study:
         asked.do(
             self.execution,
             workers=workers,
-            executor=executor,
+            executor=executor or reading.starter(self.execution, self._beside),
             rerun=("failed", "timed_out") if retry_failed else (),
             fresh=fresh,
             progress=progress,

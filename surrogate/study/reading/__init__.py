@@ -3,7 +3,8 @@
 Start from `whole.fields_of`.
 """
 
+from surrogate.study.reading.execution import starter
 from surrogate.study.reading.validation import cases_at, check_cases
 from surrogate.study.reading.whole import fields_of
 
-__all__ = ["cases_at", "check_cases", "fields_of"]
+__all__ = ["cases_at", "check_cases", "fields_of", "starter"]

@@ -20,6 +20,7 @@ from surrogate.study.reading.data import (
     rows_of,
 )
 from surrogate.study.reading.designs import designs_of
+from surrogate.study.reading.execution import check_execution
 from surrogate.study.reading.methods import check_screening, sensitivity_of, surrogates_of
 from surrogate.study.reading.mistakes import Reading, sentences
 from surrogate.study.reading.runs import stored_of
@@ -57,6 +58,7 @@ def fields_of(
         "sensitivity_method": sensitivity_of(notes, space),
         "execution": part.execution,
     }
+    check_execution(notes)
     if solver:
         check_screening(notes, fields["outputs"])
     rule = part.screening

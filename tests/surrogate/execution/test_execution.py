@@ -16,7 +16,9 @@ import pytest
 from misbehaving import WAYS, Misbehaving, Noise, Threads, Unbuildable
 
 from surrogate.errors import PluginError, ResultsError, StudyError, SurrogateError
-from surrogate.execution.execute import Progress, cores, execute
+from surrogate.execution.backend import cores
+from surrogate.execution.execute import execute
+from surrogate.execution.progress import Progress
 from surrogate.runs.identity import SolverSpec
 from surrogate.runs.journal import Journal, read
 

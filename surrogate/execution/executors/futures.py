@@ -8,20 +8,62 @@ from __future__ import annotations
 
 import uuid
 from collections import deque
-from collections.abc import Generator, Iterator, Mapping
-from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
+from collections.abc import Callable, Generator, Iterator, Mapping
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
+from typing import Any
 
 from surrogate.errors import SurrogateError
-from surrogate.execution.answers import Outcome
+from surrogate.execution.answers import Outcome, describe
+from surrogate.execution.backend import Backend, Event, RunSettings, cores
 from surrogate.execution.clock import TICK, RunClock
 from surrogate.execution.handle import Task
-from surrogate.execution.pool import Event
 from surrogate.execution.stopping import Stop
 from surrogate.execution.workers import BuiltSolver
 from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Output
+
+
+def threads(settings: RunSettings) -> Backend:
+    """Threads of this process: for solvers that wait for something else, and release Python."""
+    places = settings.places or cores()
+    return in_executor(ThreadPoolExecutor(places), settings, owned=True)
+
+
+def serial(settings: RunSettings) -> Backend:
+    """One run after the other in this process, for debuggers; it cannot stop a run."""
+    return in_executor(_Serial(), RunSettings(**{**vars(settings), "places": 1}), owned=True)
+
+
+def in_executor(executor: Executor, settings: RunSettings, owned: bool = False) -> Backend:
+    """Runs in any concurrent.futures executor; owned: it is shut down at the end."""
+    places = settings.places or cores()
+    return ExecutorRuns(executor, settings.spec, settings.wanted, places, settings.timeout, owned)
+
+
+def factory(make: Callable[[], Executor], name: str, settings: RunSettings) -> Backend:
+    """Runs in the executor that `make` gives; `name` stands for it in messages."""
+    try:
+        executor = make()
+    except Exception as error:  # a stranger's function raises whatever it likes
+        raise SurrogateError(
+            f"executor '{name}' does not start: {describe(error)}; finished runs are kept"
+        ) from error
+    return in_executor(executor, settings, owned=True)
+
+
+class _Serial(Executor):
+    """Carries out a call when it is submitted."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """The future of a call that has ended."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
 
 
 @dataclass
@@ -33,6 +75,7 @@ class ExecutorRuns:
     wanted: Mapping[str, Output]
     places: int
     timeout: float | None = None
+    owned: bool = False
     going: dict[Future[Outcome], Task] = field(default_factory=dict)
     since: dict[Future[Outcome], float] = field(default_factory=dict)
     lost: list[Future[Outcome]] = field(default_factory=list)
@@ -44,10 +87,7 @@ class ExecutorRuns:
         return len(self.going)
 
     def results(self, queue: deque[Task], stop: Stop) -> Generator[Event, None, None]:
-        """Like `surrogate.execution.pool.Pool.results`.
-
-        Raises `SurrogateError` when the executor breaks or has no place left.
-        """
+        """As `Backend.results`; `SurrogateError` when the executor breaks or has no place left."""
         finished: SimpleQueue[Future[Outcome]] = SimpleQueue()
         token = uuid.uuid4().hex
         try:
@@ -70,6 +110,8 @@ class ExecutorRuns:
         finally:
             for future in self.going:
                 future.cancel()
+            if self.owned:
+                self.executor.shutdown(wait=False, cancel_futures=True)
 
     def _take_back(self, queue: deque[Task]) -> None:
         """Runs that wait for a place in the executor wait in the queue instead."""
