@@ -1,17 +1,20 @@
 """What the estimator of a surrogate offers: a regressor of scikit-learn's kind on coded inputs.
 
-`Regressor` is what each one has. The contracts below it are optional; a function `..._of` or
-`has_...` asks for each at the time of use, because what a field offers depends on the regressor
-of its modes.
+`Regressor` is what each one has. The contracts below it are optional; each has a
+function that asks for it when it is used, because what a field offers depends on the regressor of
+its modes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Protocol, TypeGuard
+from typing import Any, Literal, Protocol, TypeGuard
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
+
+from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
 
@@ -28,7 +31,8 @@ class Predictor(Protocol):
 class Regressor(Predictor, Protocol):
     """An estimator that `sklearn.base.clone` can copy.
 
-    `predict(X, return_std=True)` may give values and standard deviations.
+    A study sets its parameters `space` and `random_state`, where it has them. An attribute
+    `interval_freedom` gives the degrees of freedom of prediction intervals (Student's t).
     """
 
     def fit(self, X: Array, y: Array, /) -> Any: ...
@@ -36,6 +40,36 @@ class Regressor(Predictor, Protocol):
     def get_params(self, deep: bool = True) -> dict[str, Any]: ...
 
     def set_params(self, **params: Any) -> Any: ...
+
+
+class HasStd(Protocol):
+    """Knows standard deviations: (values, standard deviations) of new runs at coded X (m, d)."""
+
+    def predict(self, X: Array, /, *, return_std: Literal[True]) -> tuple[Array, Array]: ...
+
+
+class HasMinimum(Protocol):
+    """Knows the fewest runs that it can be fitted to in a space; two for all others."""
+
+    def minimum_runs(self, space: Space, /) -> int: ...
+
+
+class LeavesOut(Protocol):
+    """Knows its predictions (n, ...) of each run without the run's fold (n,), without refits."""
+
+    def leave_out(self, folds: NDArray[np.intp], /) -> Array: ...
+
+
+class HasTable(Protocol):
+    """Has a regression table; see `surrogate.regressors.regression.table`."""
+
+    def regression_table(self, *, deterministic: bool) -> xr.Dataset: ...
+
+
+class Portable(Protocol):
+    """Has a description as JSON data; see `surrogate.regressors.portable`."""
+
+    def portable(self) -> dict[str, Any]: ...
 
 
 class Indices(Protocol):
@@ -80,6 +114,26 @@ class HasSamples(Predictor, Protocol):
     """Draws values (m, n_samples) at points, as scikit-learn's Gaussian process does."""
 
     def sample_y(self, X: Array, n_samples: int, random_state: int) -> Array: ...
+
+
+def has_minimum(estimator: object) -> TypeGuard[HasMinimum]:
+    """True when the estimator knows how many runs it needs."""
+    return hasattr(estimator, "minimum_runs")
+
+
+def leaves_out(estimator: object) -> TypeGuard[LeavesOut]:
+    """True when the estimator leaves folds out by itself."""
+    return hasattr(estimator, "leave_out")
+
+
+def has_table(estimator: object) -> TypeGuard[HasTable]:
+    """True when the estimator has a regression table."""
+    return hasattr(estimator, "regression_table")
+
+
+def is_portable(estimator: object) -> TypeGuard[Portable]:
+    """True when the estimator can be described as JSON data."""
+    return hasattr(estimator, "portable")
 
 
 def has_indices(estimator: object) -> TypeGuard[HasIndices]:

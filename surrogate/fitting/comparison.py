@@ -181,31 +181,18 @@ class NestedTest:
 def nested_tests(fits: Fits) -> list[NestedTest]:
     """F tests of all pairs of polynomial surrogates, one within the other, of the same runs."""
     polynomials = [
-        fit
+        (fit, fit.estimator.model_)
         for each in fits.values()
         for fit in each.values()
         if isinstance(fit.estimator, Polynomial)
     ]
     return [
-        NestedTest(
-            small.output,
-            small.surrogate,
-            large.surrogate,
-            nested(small.estimator.model_, large.estimator.model_),
-        )
-        for small, large in permutations(polynomials, 2)
-        if _within(small, large)
-    ]
-
-
-def _within(small: Fit, large: Fit) -> bool:
-    """True for polynomials of one output and the same runs, all terms of one in the other."""
-    terms = [set(fit.estimator.model_.names) for fit in (small, large)]
-    return (
-        small.output == large.output
-        and terms[0] < terms[1]
+        NestedTest(small.output, small.surrogate, large.surrogate, nested(fewer, more))
+        for (small, fewer), (large, more) in permutations(polynomials, 2)
+        if small.output == large.output
+        and set(fewer.names) < set(more.names)
         and np.array_equal(small.coded, large.coded)
-    )
+    ]
 
 
 def _squared_errors(fit: Fit) -> Array:

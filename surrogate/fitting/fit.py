@@ -17,22 +17,22 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal, TypeGuard, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import stats
-from sklearn.base import BaseEstimator, clone
+from sklearn.base import clone
 from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import FunctionTransformer
 
 from surrogate.errors import FitError
+from surrogate.estimator import Array, HasStd, Regressor, has_minimum, is_portable, leaves_out
 from surrogate.regressors import portable
 from surrogate.regressors.columns import columns_of, expand
 from surrogate.regressors.field import Field
 from surrogate.space.space import Space
 
-Array = NDArray[np.float64]
 Numbers = NDArray[np.intp]
 
 #: Points predicted at once, so that memory stays bounded for any number of them.
@@ -58,7 +58,7 @@ class Fit:
     surrogate: str
     output: str
     space: Space
-    estimator: BaseEstimator
+    estimator: Regressor
     coded: Array
     values: Array
     folds: Numbers
@@ -87,24 +87,25 @@ class Fit:
         known = np.isfinite(errors).reshape(len(errors), -1).all(axis=1)
         return np.sort(errors[known], axis=0)
 
-    def predict(self, coded: ArrayLike, return_std: bool = False) -> Any:
+    @overload
+    def predict(self, coded: ArrayLike, return_std: Literal[False] = False) -> Array: ...
+    @overload
+    def predict(self, coded: ArrayLike, return_std: Literal[True]) -> tuple[Array, Array]: ...
+    def predict(self, coded: ArrayLike, return_std: bool = False) -> Array | tuple[Array, Array]:
         """Values (m, ...) at coded points (m, d), and their standard deviations if asked.
 
         Standard deviations are the surrogate's own; for one that has none, the
         root mean square of the left-out errors, the same at every point.
         """
-        points = _points(coded, self.space)
-        if not return_std:
-            return _chunked(self.estimator.predict, points, self.values.shape[1:])
-        if self.offers_std:
-            return tuple(
-                _chunked(
-                    lambda x: np.stack(self.estimator.predict(x, return_std=True), 1),
-                    points,
-                    (2, *self.values.shape[1:]),
-                ).swapaxes(0, 1)
+        points, shape, own = _points(coded, self.space), self.values.shape[1:], self.estimator
+        if return_std and _offers_std(own):
+            both = _chunked(
+                lambda x: np.stack(own.predict(x, return_std=True), 1), points, (2, *shape)
             )
-        mean = self.predict(points)
+            return both[:, 0], both[:, 1]
+        mean = _chunked(self.estimator.predict, points, shape)
+        if not return_std:
+            return mean
         return mean, np.broadcast_to(self._spread(), mean.shape)
 
     def _spread(self) -> Array:
@@ -149,7 +150,7 @@ class Fit:
         regressor that has no such description.
         """
         single = self.estimator.estimator if isinstance(self.estimator, Field) else self.estimator
-        if not hasattr(single, "portable"):
+        if not (is_portable(single) and is_portable(self.estimator)):
             raise FitError(
                 f"surrogate '{self.surrogate}' has no portable form; export a "
                 "polynomial, polynomial chaos or Gaussian process"
@@ -162,7 +163,7 @@ def fit(
     space: Space,
     coded: ArrayLike,
     values: ArrayLike,
-    estimator: Any,
+    estimator: Regressor,
     *,
     surrogate: str = "surrogate",
     output: str = "output",
@@ -200,9 +201,9 @@ def fit(
     )
 
 
-def prepare(estimator: Any, space: Space, *, seed: int = 0, field: bool = False) -> Any:
+def prepare(estimator: Regressor, space: Space, *, seed: int = 0, field: bool = False) -> Regressor:
     """The estimator as `fit` uses it: unfitted, knowing space and seed, for scalars or fields."""
-    ready = clone(estimator)
+    ready: Regressor = clone(estimator)
     options = ready.get_params(deep=True)
     ready.set_params(
         **{
@@ -219,10 +220,9 @@ def prepare(estimator: Any, space: Space, *, seed: int = 0, field: bool = False)
     return Field(ready) if field else ready
 
 
-def minimum_runs(estimator: Any, space: Space) -> int:
+def minimum_runs(estimator: Regressor, space: Space) -> int:
     """Fewest runs that the estimator can be fitted to in this space."""
-    offered = getattr(estimator, "minimum_runs", None)
-    return int(offered(space)) if offered else 2
+    return int(estimator.minimum_runs(space)) if has_minimum(estimator) else 2
 
 
 def folds(runs: int, *, seed: int = 0) -> Numbers:
@@ -253,9 +253,11 @@ def rmse(values: ArrayLike, predictions: ArrayLike) -> float:
     return float(np.sqrt(np.mean(errors**2)))
 
 
-def _left_out(fitted: Any, prepared: Any, coded: Array, values: Array, groups: Numbers) -> Array:
+def _left_out(
+    fitted: Regressor, prepared: Regressor, coded: Array, values: Array, groups: Numbers
+) -> Array:
     """Predictions by fits without each fold: the estimator's closed form, or refits."""
-    if hasattr(fitted, "leave_out"):
+    if leaves_out(fitted):
         return np.asarray(fitted.leave_out(groups))
     refit = fitted.refitted if isinstance(fitted, Field) else None
     result = np.full(values.shape, np.nan)
@@ -270,7 +272,7 @@ def _left_out(fitted: Any, prepared: Any, coded: Array, values: Array, groups: N
 
 
 def _check(
-    space: Space, coded: Array, values: Array, estimator: Any, surrogate: str, output: str
+    space: Space, coded: Array, values: Array, estimator: Regressor, surrogate: str, output: str
 ) -> None:
     if len(coded) != len(values):
         raise FitError(f"{len(coded)} points but {len(values)} values of '{output}'")
@@ -299,7 +301,7 @@ def _points(coded: ArrayLike, space: Space) -> Array:
     return points
 
 
-def _offers_std(estimator: Any) -> bool:
+def _offers_std(estimator: Regressor) -> TypeGuard[HasStd]:
     if isinstance(estimator, Pipeline):
         return _offers_std(estimator[-1])
     if isinstance(estimator, Field):
@@ -307,7 +309,7 @@ def _offers_std(estimator: Any) -> bool:
     return "return_std" in inspect.signature(estimator.predict).parameters
 
 
-def _quantile(estimator: Any, confidence: float) -> float:
+def _quantile(estimator: Regressor, confidence: float) -> float:
     freedom = getattr(estimator, "interval_freedom", None)
     law = stats.norm if freedom is None else stats.t(freedom) if freedom else None
     return float(law.ppf(0.5 + confidence / 2.0)) if law else np.nan

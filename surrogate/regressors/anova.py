@@ -20,14 +20,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surrogate.errors import FitError
+from surrogate.estimator import Groups
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
 #: Nodes (m,) and weights (m,) of a quadrature.
 Rule = tuple[Array, Array]
-
-#: Lists of input numbers that count as one input each; they share no input.
-Groups = Sequence[Sequence[int]]
 
 
 @dataclass(frozen=True, eq=False)

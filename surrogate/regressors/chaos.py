@@ -17,6 +17,7 @@ from scipy import linalg
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from surrogate.estimator import Groups
 from surrogate.regressors import anova, regression
 from surrogate.regressors.orthogonal import Basis, Index, basis, hyperbolic, products
 from surrogate.space.space import Space
@@ -114,7 +115,7 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         """Predictions (n,) of each run without it, the choice of terms kept."""
         return self.model_.leave_one_out()
 
-    def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
+    def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
         """Sobol' indices: sums of squared coefficients (Sudret 2008, equations 38 to 43).
 
         Of inputs or groups; an input in no group then counts as one by itself.

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.regressors.anova import Groups, SobolIndices
+from surrogate.estimator import Groups
+from surrogate.regressors.anova import SobolIndices
 
 Array = NDArray[np.float64]
 

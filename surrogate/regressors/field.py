@@ -18,7 +18,8 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
 
-from surrogate.regressors.anova import Groups, SobolIndices
+from surrogate.estimator import Groups
+from surrogate.regressors.anova import SobolIndices
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]

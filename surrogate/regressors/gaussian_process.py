@@ -19,6 +19,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.errors import nearest
+from surrogate.estimator import Groups
 from surrogate.regressors import anova, paths, portable
 from surrogate.regressors.columns import columns_of, expand
 from surrogate.regressors.kriging import Factored, factored, left_out_errors
@@ -318,7 +319,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         drawn = paths.draw(self, size, seed)
         return [paths.Draw(drawn, number) for number in range(size)]
 
-    def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
+    def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
         """Sobol' indices of the mean under the space's law, of inputs or groups; exact.
 
         Rounding grows with the weights: 1e-11 for a hundred smooth runs, 1e-5 for five hundred.

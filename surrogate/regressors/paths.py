@@ -21,6 +21,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surrogate.estimator import Groups
 from surrogate.regressors import anova, expansion
 from surrogate.regressors.kriging import Factored
 from surrogate.regressors.matern import correlation, weighted_sum
@@ -68,7 +69,7 @@ class Process(Protocol):
     def factor(self, parameter: int, nodes: Array) -> Array:
         """Part of each term (n + q, m) that depends on one parameter."""
 
-    def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
+    def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
         """Indices of its mean."""
 
 
@@ -121,14 +122,14 @@ class Paths:
             )
         return np.asarray(one.offset_ + one.scale_ * values)
 
-    def indices(self, groups: anova.Groups | None = None) -> list[anova.SobolIndices]:
+    def indices(self, groups: Groups | None = None) -> list[anova.SobolIndices]:
         """Exact Sobol' indices of every path, of inputs or groups; computed once."""
         asked = None if groups is None else tuple(map(tuple, groups))
         if asked not in self.found:
             self.found[asked] = self._indices(asked)
         return self.found[asked]
 
-    def _indices(self, groups: anova.Groups | None) -> list[anova.SobolIndices]:
+    def _indices(self, groups: Groups | None) -> list[anova.SobolIndices]:
         """Those of the mean, exact, moved by what each path deviates from it.
 
         Deviations are projected on the terms; constants of the trend move means only.
@@ -177,7 +178,7 @@ class Draw:
         """Values (m,) at coded X (m, d)."""
         return self.paths.predict(X, self.number)
 
-    def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
+    def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
         """Exact Sobol' indices; those of all paths are found together, once."""
         return self.paths.indices(groups)[self.number]
 

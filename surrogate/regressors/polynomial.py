@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from surrogate.estimator import Groups
 from surrogate.regressors import anova, portable, regression
 from surrogate.regressors.columns import Column, columns_of, expand
 from surrogate.space.space import Space
@@ -124,7 +125,7 @@ class TermRegressor(RegressorMixin, BaseEstimator):
             self.model_, self.points_, confidence=confidence, deterministic=deterministic
         )
 
-    def sobol_indices(self, groups: anova.Groups | None = None) -> anova.SobolIndices:
+    def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
         """Exact Sobol' indices of the polynomial under the space's law, of inputs or groups."""
         check_is_fitted(self)
         of, highest = self.columns_, max((q for term in self.terms_ for _, q in term), default=1)

@@ -46,6 +46,7 @@ from surrogate.estimator import (
     has_draws,
     has_indices,
     has_samples,
+    has_table,
     is_path,
 )
 from surrogate.sensitivity.model import Learnt, Model, Seed, require_at_least
@@ -199,7 +200,7 @@ def _refits(learnt: Learnt, size: int, seed: Seed) -> tuple[Iterator[Regressor],
     """Refitted estimators, and in words how they were drawn."""
     generator = np.random.default_rng(seed)
     freedom = getattr(learnt.estimator, "interval_freedom", None)
-    if not hasattr(learnt.estimator, "regression_table") or freedom is None:
+    if not has_table(learnt.estimator) or freedom is None:
         return _pairs(learnt, size, generator), "pairs bootstrap"
     if freedom == 0:
         return iter(()), "unknown: as many coefficients as runs"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from surrogate.estimator import Regressor
 from surrogate.fitting import fit as fitting
 from surrogate.fitting.fit import Fit
 from surrogate.runs import dataset as rundata
@@ -27,7 +27,7 @@ class Surrogate:
 
     name: str
     method: str
-    estimator: Any
+    estimator: Regressor
     train: tuple[str, ...] = ("train",)
 
 
@@ -63,7 +63,7 @@ def fit(
     space: Space,
     surrogate: str,
     output: str,
-    estimator: Any,
+    estimator: Regressor,
     coded: np.ndarray,
     values: np.ndarray,
 ) -> Fit:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import xarray as xr
 
+from surrogate.estimator import has_table
 from surrogate.stages.fits import Fits
 
 Tables = Mapping[str, Mapping[str, xr.Dataset]]
@@ -17,7 +18,7 @@ def regression(deterministic: bool, fits: Fits) -> dict[str, dict[str, xr.Datase
         name: {
             output: fit.estimator.regression_table(deterministic=deterministic)
             for output, fit in by_output.items()
-            if hasattr(fit.estimator, "regression_table")
+            if has_table(fit.estimator)
         }
         for name, by_output in fits.items()
     }

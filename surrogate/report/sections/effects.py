@@ -216,9 +216,9 @@ def influence(content: Content, output: str, name: str, table: xr.Dataset) -> li
 def comparisons(content: Content, output: str, names: list[str]) -> list[str]:
     """F tests of each larger polynomial against the next smaller one of the same runs."""
     models = [
-        (name, content.fits_of(output)[name].estimator.model_)
+        (name, fit.estimator.model_)
         for name in names
-        if hasattr(getattr(content.fits_of(output).get(name), "estimator", None), "model_")
+        if (fit := content.fits_of(output).get(name)) and hasattr(fit.estimator, "model_")
     ]
     models.sort(key=lambda pair: len(pair[1].names))
     said = []

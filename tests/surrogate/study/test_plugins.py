@@ -3,16 +3,25 @@
 import os
 import subprocess
 import sys
+from inspect import Parameter
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typing_extensions import get_type_hints
 
 from surrogate.errors import PluginError, StudyError
+from surrogate.sensitivity.independence import spoilt
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter as Uncertain
+from surrogate.space.space import Space
+from surrogate.stages.plugin import parameters_of
 from surrogate.study import plugins
 from surrogate.study.options import option_mistakes
+from surrogate.study.reading.methods import GIVEN_TO_SENSITIVITY as GIVEN
 from surrogate.study.study import Study
 
+NUMERIC = Space(tuple(Uncertain(name, uniform(0.0, 1.0)) for name in ("length", "width")))
 REPOSITORY = str(Path(__file__).parents[3])
 
 MODULE = '''
@@ -320,3 +329,45 @@ def test_a_folder_called_solvers_beside_the_study(tmp_path):
     for study in ("own", "built_in"):
         done = command((tmp_path, os.environ), "run", f"{study}.yaml")
         assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("group", plugins.NOUNS)
+def test_every_option_of_a_shipped_plug_in_has_a_type_that_the_study_file_is_checked_against(group):
+    """Annotations that cannot be read would let any value through, unsaid."""
+    for name in plugins.available(group):
+        found = plugins.load(group, name)
+        types = get_type_hints(found.__init__ if isinstance(found, type) else found)
+        untyped = [
+            option
+            for option, taken in parameters_of(found).items()
+            if option not in types and taken.kind is not Parameter.VAR_KEYWORD
+        ]
+        assert not untyped, name
+
+
+@pytest.mark.parametrize("seed", [0, 3, [1, 2]])
+def test_sensitivity_methods_take_the_seeds_that_numpy_takes(seed):
+    for name in plugins.available(plugins.SENSITIVITY):
+        assert not option_mistakes(plugins.load(plugins.SENSITIVITY, name), {"seed": seed}, GIVEN)
+
+
+def test_a_seed_that_is_no_number_is_refused_before_any_run():
+    (mistake,) = {
+        mistake.sentence
+        for name in plugins.available(plugins.SENSITIVITY)
+        for mistake in option_mistakes(
+            plugins.load(plugins.SENSITIVITY, name), {"seed": "abc"}, GIVEN
+        )[:1]
+    }
+    assert "option 'seed'" in mistake and "'abc'" in mistake
+
+
+def test_methods_that_correlated_parameters_would_spoil_say_so():
+    correlated = Space(NUMERIC.parameters, ((1.0, 0.5), (0.5, 1.0)))
+    marked = [
+        name
+        for name in plugins.available(plugins.SENSITIVITY)
+        if spoilt(plugins.load(plugins.SENSITIVITY, name), correlated)
+    ]
+    assert marked == ["dgsm", "morris", "pawn", "sobol"]
+    assert not any(spoilt(plugins.load(plugins.SENSITIVITY, name), NUMERIC) for name in marked)
