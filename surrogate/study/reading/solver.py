@@ -34,7 +34,7 @@ def solver_of(
     reading: Reading, part: SolverPart | None = None, path: tuple[str, ...] = ("solver",)
 ) -> tuple[SolverSpec, Solver | None]:
     """The study's solver, or that of `part`, built once here to learn its inputs and outputs."""
-    part = part or reading.part.solver or SolverPart(name="unnamed")
+    part = part or reading.part.solver or SolverPart(name="unnamed", options={})
     spec = SolverSpec(part.name, SolverFactory(part.name, reading.folder), part.options)
     if reading.is_broken(*path):
         return spec, None
