@@ -70,11 +70,15 @@ def _whole(
 @app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new study.")],
+    data: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A table of runs or tests: csv, tsv, xlsx, parquet, nc."),
+    ] = None,
 ) -> None:
-    """Write NAME.yaml: a commented study to start from."""
+    """Write NAME.yaml: a commented study to start from, of a table with --data."""
     from surrogate.study import template
 
-    path = template.write(name)
+    path = template.write(name, data=data)
     print(f"{path} is written; next: surrogate check {path}")
 
 

@@ -9,10 +9,11 @@ from pathlib import Path
 from surrogate.errors import StudyError
 
 
-def write(name: str, folder: Path | None = None) -> Path:
+def write(name: str, folder: Path | None = None, data: Path | None = None) -> Path:
     """Write `<name>.yaml` into `folder` (default: the current one); returns its path.
 
-    Raises `StudyError` when the name cannot name a study, or the file exists.
+    data: a table that the study is about. Raises `StudyError` when the name cannot name a
+    study, the table is not understood, or the file exists.
     """
     stem = name.removesuffix(".yaml")
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", stem):
@@ -20,10 +21,16 @@ def write(name: str, folder: Path | None = None) -> Path:
             f"name '{stem}' may hold letters, digits and _ only, and starts with a letter"
         )
     path = (folder or Path()) / f"{stem}.yaml"
-    text = files("surrogate.study").joinpath("template.yaml").read_text(encoding="utf-8")
+    if data is None:
+        general = files("surrogate.study").joinpath("template.yaml").read_text(encoding="utf-8")
+        text = general.replace("NAME", stem)
+    else:
+        from surrogate.study.table_template import text_of  # NumPy: a plain study needs none
+
+        text = text_of(stem, data, folder or Path())
     try:
         with path.open("x", encoding="utf-8") as file:
-            file.write(text.replace("NAME", stem))
+            file.write(text)
     except FileExistsError:
         raise StudyError(f"{path} exists already; choose another name") from None
     except OSError as error:

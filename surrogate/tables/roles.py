@@ -13,7 +13,7 @@ from surrogate.tables.table import Table
 
 TEST_WORDS = frozenset(("test", "testing", "validation", "holdout"))
 SPLIT_WORDS = TEST_WORDS | {"train", "training"}
-OUTPUT_TITLES = frozenset(("y", "f", "z", "output", "response", "result", "target", "yield"))
+OUTPUT_TITLES = frozenset(("y", "output", "response", "result", "target", "yield"))
 ROW_TITLES = frozenset(("id", "run", "no", "nr", "number", "index", "row", "case", "trial"))
 #: A category with more levels than this share of the rows is a label of rows.
 MANY_LEVELS = 0.5
