@@ -8,7 +8,7 @@ its modes.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal, Protocol, TypeGuard
+from typing import Any, Literal, Protocol, TypeGuard, overload
 
 import numpy as np
 import xarray as xr
@@ -58,6 +58,29 @@ class LeavesOut(Protocol):
     """Knows its predictions (n, ...) of each run without the run's fold (n,), without refits."""
 
     def leave_out(self, folds: NDArray[np.intp], /) -> Array: ...
+
+
+class FitsMany(Protocol):
+    """Fits outputs Y (n, k) of the same runs X (n, d) together: a fitted regressor of each."""
+
+    def fit_many(self, X: Array, Y: Array, /) -> list[Regressor]: ...
+
+
+class RefitsMany(Protocol):
+    """The same for some of the runs, from regressors that were fitted to all of them."""
+
+    def refit_many(self, near: list[Regressor], X: Array, Y: Array, /) -> list[Regressor]: ...
+
+
+class PredictsMany(Protocol):
+    """Predicts by regressors of one `fit_many`: values (m, k), as `predict` those of one."""
+
+    @overload
+    def predict_many(self, models: Sequence[Regressor], X: Array, /) -> Array: ...
+    @overload
+    def predict_many(
+        self, models: Sequence[Regressor], X: Array, /, *, return_std: Literal[True]
+    ) -> tuple[Array, Array]: ...
 
 
 class HasTable(Protocol):
@@ -124,6 +147,21 @@ def has_minimum(estimator: object) -> TypeGuard[HasMinimum]:
 def leaves_out(estimator: object) -> TypeGuard[LeavesOut]:
     """True when the estimator leaves folds out by itself."""
     return hasattr(estimator, "leave_out")
+
+
+def fits_many(estimator: object) -> TypeGuard[FitsMany]:
+    """True when the estimator fits several outputs together."""
+    return hasattr(estimator, "fit_many")
+
+
+def refits_many(estimator: object) -> TypeGuard[RefitsMany]:
+    """True when the estimator fits several outputs anew from fits of more runs."""
+    return hasattr(estimator, "refit_many")
+
+
+def predicts_many(estimator: object) -> TypeGuard[PredictsMany]:
+    """True when the estimator predicts several outputs together."""
+    return hasattr(estimator, "predict_many")
 
 
 def has_table(estimator: object) -> TypeGuard[HasTable]:

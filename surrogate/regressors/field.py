@@ -10,19 +10,25 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from dataclasses import field as dataclass_field
-from typing import Any, Self
+from typing import Any, Literal, Self, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
 
-from surrogate.estimator import Groups
+from surrogate.estimator import (
+    Array,
+    Groups,
+    Regressor,
+    fits_many,
+    has_minimum,
+    predicts_many,
+    refits_many,
+)
 from surrogate.regressors.anova import SobolIndices
 from surrogate.space.space import Space
-
-Array = NDArray[np.float64]
 
 #: Draws of a field differ in the indices of the modes that hold this share of its variance;
 #: the many modes beyond could not move an index of the field by more than the rest, and move it
@@ -52,14 +58,14 @@ class Field(RegressorMixin, BaseEstimator):
     `leading_` how many modes hold the share `DRAWN` of the variance.
     """
 
-    def __init__(self, estimator: Any, explained: float = 0.9999) -> None:
+    def __init__(self, estimator: Regressor, explained: float = 0.9999) -> None:
         self.estimator = estimator
         self.explained = explained
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and fields y (n, ...)."""
         amplitudes = self._decompose(y)
-        if hasattr(self.estimator, "fit_many") and amplitudes.size:
+        if fits_many(self.estimator) and amplitudes.size:
             self.estimators_ = clone(self.estimator).fit_many(X, amplitudes)
         else:
             self.estimators_ = [clone(self.estimator).fit(X, own) for own in amplitudes.T]
@@ -72,7 +78,7 @@ class Field(RegressorMixin, BaseEstimator):
         A regressor that offers `refit_many` is given those of this field's modes to start from.
         """
         check_is_fitted(self)
-        if not (hasattr(self.estimator, "refit_many") and self.estimators_):
+        if not (refits_many(self.estimator) and self.estimators_):
             return Field(clone(self.estimator), self.explained).fit(X, y)
         other = Field(clone(self.estimator), self.explained)
         amplitudes = other._decompose(y)
@@ -105,8 +111,7 @@ class Field(RegressorMixin, BaseEstimator):
 
     def minimum_runs(self, space: Space) -> int:
         """Runs that the regressor of one mode needs."""
-        offered = getattr(self.estimator, "minimum_runs", None)
-        return int(offered(space)) if offered else 2
+        return self.estimator.minimum_runs(space) if has_minimum(self.estimator) else 2
 
     @property
     def interval_freedom(self) -> int | None:
@@ -120,7 +125,11 @@ class Field(RegressorMixin, BaseEstimator):
             default=None,
         )
 
-    def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
+    @overload
+    def predict(self, X: ArrayLike, return_std: Literal[False] = False) -> Array: ...
+    @overload
+    def predict(self, X: ArrayLike, return_std: Literal[True]) -> tuple[Array, Array]: ...
+    def predict(self, X: ArrayLike, return_std: bool = False) -> Array | tuple[Array, Array]:
         """Fields (m, ...) at coded X (m, d).
 
         With `return_std` (when the modes' regressor offers it) their standard deviations,
@@ -128,7 +137,7 @@ class Field(RegressorMixin, BaseEstimator):
         """
         check_is_fitted(self)
         amplitudes, spread = self._amplitudes(np.asarray(X), return_std)
-        fields = (self.mean_ + amplitudes @ self.modes_).reshape(-1, *self.shape_)
+        fields: Array = (self.mean_ + amplitudes @ self.modes_).reshape(-1, *self.shape_)
         if not return_std:
             return fields
         variance = spread**2 @ self.modes_**2 + self.left_out_**2
@@ -136,16 +145,17 @@ class Field(RegressorMixin, BaseEstimator):
 
     def _amplitudes(self, X: Array, return_std: bool) -> tuple[Array, Array]:
         """Amplitudes (m, k) of the modes and, if asked for, their standard deviations."""
-        models = self.estimators_
-        asked = {"return_std": True} if return_std else {}
+        models, none = self.estimators_, np.zeros((len(X), 0))
         if not models:
-            return np.zeros((len(X), 0)), np.zeros((len(X), 0))
-        if hasattr(models[0], "predict_many"):
-            found = models[0].predict_many(models, X, **asked)
-            return found if return_std else (found, found)
-        answers = [model.predict(X, **asked) for model in models]
+            return none, none
+        first = models[0]
+        if predicts_many(first):
+            if return_std:
+                return first.predict_many(models, X, return_std=True)
+            return first.predict_many(models, X), none
         if not return_std:
-            return np.column_stack(answers), np.zeros((len(X), 0))
+            return np.column_stack([model.predict(X) for model in models]), none
+        answers = [model.predict(X, return_std=True) for model in models]
         mean, std = (np.column_stack(part) for part in zip(*answers, strict=True))
         return mean, std
 

@@ -108,9 +108,9 @@ class TermRegressor(RegressorMixin, BaseEstimator):
         points = validate_data(self, X, reset=False)
         return design_matrix(self.terms_, expand(points, self.columns_))
 
-    def predict(self, X: ArrayLike) -> Any:
+    def predict(self, X: ArrayLike) -> Array:
         """Values (m,) at coded X (m, d)."""
-        return self.rows(X) @ self.coef_
+        return np.asarray(self.rows(X) @ self.coef_)
 
     def leave_one_out(self) -> Array:
         """Predictions (n,) of each run by the fit of the same terms without it; exact."""
