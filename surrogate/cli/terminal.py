@@ -254,6 +254,12 @@ def outcome(study: Study, done: Outcome) -> Page:
         parts += [*_validation_tables(figures["validation"]), ""]
     if figures["screening"]:
         parts.append(_screening_line(figures["screening"]))
+    if figures["failures"]:
+        parts.append(figures["failures"]["sentence"])
+    parts += [
+        f"{output}: standard deviation of the replicates {scatter['std']:.3g}"
+        for output, scatter in figures["replicates"].items()
+    ]
     parts.append(f"report: {done.report}" + ("" if done.fresh else " (was up to date)"))
     return Page({**figures, "report": str(done.report)}, parts)
 

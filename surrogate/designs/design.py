@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -26,6 +26,7 @@ class Design:
     added     (augmentation, number of rows) in the order of the rows at the end
     searched  True when `find` is a search: its points are kept, and found only for a run
     identity  equal for designs of equal method, options, augmentations and space
+    replicates  how often each point stands in the rows
     """
 
     name: str
@@ -36,6 +37,7 @@ class Design:
     added: tuple[tuple[str, int], ...] = field(default=())
     searched: bool = False
     identity: str = ""
+    replicates: int = 1
 
     @cached_property
     def coded(self) -> NDArray[np.float64]:
@@ -53,10 +55,25 @@ class Design:
         design.__dict__["coded"] = coded
         return design
 
+    def repeated(self, times: int) -> Design:
+        """The same design with each point `times` times, one after the other."""
+        return replace(
+            self,
+            rows=self.rows * times,
+            find=partial(_repeated, self.find, times),
+            added=tuple((name, rows * times) for name, rows in self.added),
+            identity=f"{self.identity}_{times}" if self.identity else "",
+            replicates=self.replicates * times,
+        )
+
     @property
     def runs(self) -> int:
         """Number of rows."""
         return len(self.coded) if self.at_hand else self.rows
+
+
+def _repeated(find: Callable[[], NDArray[np.float64]], times: int) -> NDArray[np.float64]:
+    return np.repeat(find(), times, axis=0)
 
 
 def searching(rows: Callable[..., int]) -> Callable[[Method], Method]:

@@ -5,8 +5,8 @@ Accuracy is judged by predictions of runs that the fit has not seen:
     Q2 = 1 - sum (y - prediction)^2 / sum (y - mean(y))^2
 
 over all runs (and all places of a field), the mean being that of the runs judged.
-Up to `LEAVE_ONE_OUT` runs each run is left out in turn; above, ten folds, the same
-for every surrogate of the same runs and seed.
+Up to `LEAVE_ONE_OUT` points each point is left out in turn; above, ten folds, the same
+for every surrogate of the same runs and seed. Replicates are left out together.
 """
 
 from __future__ import annotations
@@ -187,7 +187,7 @@ def fit(
             f"surrogate '{surrogate}' cannot be fitted to '{output}': {error}"
         ) from error
     seconds = time.perf_counter() - start
-    groups = folds(len(points), seed=seed)
+    groups = point_folds(points, seed=seed)
     return Fit(
         surrogate,
         output,
@@ -230,6 +230,13 @@ def folds(runs: int, *, seed: int = 0) -> Numbers:
     if runs <= LEAVE_ONE_OUT:
         return np.arange(runs)
     return np.random.default_rng(seed).permutation(np.arange(runs) % FOLDS)
+
+
+def point_folds(points: Numbers, *, seed: int = 0) -> Numbers:
+    """Fold number of each run (n,) at coded points (n, d): replicates are left out together."""
+    _, first, point = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(np.argsort(first))  # points are counted as they appear
+    return folds(len(first), seed=seed)[order[point.ravel()]]
 
 
 def q2(values: ArrayLike, predictions: ArrayLike) -> float:

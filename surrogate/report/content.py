@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
 from surrogate.designs.aliasing import Aliasing
 from surrogate.fitting.fit import Fit
+from surrogate.fitting.replicates import Replicates
 from surrogate.runs.names import RESERVED_NAMES
 from surrogate.sensitivity.screening import Screening
 from surrogate.space.space import Space
 
 #: Below this Q2 a surrogate's predictions are called poor.
 POOR_Q2 = 0.9
+
+
+if TYPE_CHECKING:
+    from surrogate.fitting.failures import FailingRegion
 
 
 @dataclass(frozen=True)
@@ -32,6 +38,8 @@ class Content:
     screening       which parameters to keep
     validation      dataset over (model, output, case)
     aliasing        design -> aliasing of a two-level fraction
+    failures        the region where runs fail
+    replicates      output -> scatter at repeated points
     reduced_study   text of the study file without the frozen parameters
     not_done        sentences about what the study asked for and could not be done
     """
@@ -47,6 +55,8 @@ class Content:
     screening: Screening | None = None
     validation: xr.Dataset | None = None
     aliasing: Mapping[str, Aliasing] = field(default_factory=dict)
+    failures: FailingRegion | None = None
+    replicates: Mapping[str, Replicates] = field(default_factory=dict)
     reduced_study: str = ""
     not_done: Sequence[str] = ()
 
@@ -104,6 +114,12 @@ class Content:
     def recorded(self) -> bool:
         """True when the runs are rows of a table, and no solver stands behind them."""
         return str(self.runs.attrs.get("recorded", "false")) == "true"
+
+    @property
+    def failing(self) -> str:
+        """Where the runs fail, as a sentence; "" when nothing tells."""
+        words = "" if self.failures is None else f"{self.failures}."
+        return words[:1].upper() + words[1:]
 
     @property
     def notes(self) -> list[str]:

@@ -16,8 +16,10 @@ import xarray as xr
 from surrogate.stages import fits, portable, sensitivity
 from surrogate.stages.aliasing import aliasing
 from surrogate.stages.comparison import comparison
+from surrogate.stages.failures import failures
 from surrogate.stages.reduced_study import reduced_study
 from surrogate.stages.regression import regression, tree
+from surrogate.stages.replicates import replicates
 from surrogate.stages.report import report
 from surrogate.stages.screening import screening
 from surrogate.stages.stage import Files, Stage
@@ -67,6 +69,20 @@ STAGES = (
         kept=False,
     ),
     Stage("aliasing", reads=("space", "unsearched"), needs=("runs",), does=aliasing),
+    Stage(
+        "failures",
+        reads=("space",),
+        needs=("runs",),
+        does=failures,
+        figures=lambda found: {**vars(found), "sentence": str(found)} if found else None,
+    ),
+    Stage(
+        "replicates",
+        reads=("outputs", "deterministic"),
+        needs=("runs",),
+        does=replicates,
+        figures=lambda found: json_data({name: vars(one) for name, one in found.items()}),
+    ),
     Stage(
         "fits",
         reads=("space", "surrogates", "outputs"),
@@ -137,6 +153,8 @@ STAGES = (
         needs=(
             "dataset",
             "aliasing",
+            "failures",
+            "replicates",
             "fits",
             "comparison",
             "regression",

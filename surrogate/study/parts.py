@@ -300,6 +300,9 @@ class StudyPart(Part):
     constants: dict[Name, ConstantPart] = {}
     outputs: tuple[str, ...] | None = Field(None, description="Default: all of the solver's.")
     designs: dict[Name, DesignPart] = {}
+    replicates: int = Field(
+        1, ge=1, description="Runs at every point, of a solver that is not deterministic."
+    )
     surrogates: dict[Name, SurrogatePart] = {}
     sensitivity: SensitivityPart | None = None
     screening: ScreeningPart | None = None

@@ -23,6 +23,11 @@ def section(content: Content) -> Section:
     blocks: list[Block] = [Text(_count(content))]
     if content.notes:
         blocks.append(Points(tuple(f"{note}." for note in content.notes), "note"))
+    blocks += [Text(_scatter(content, name)) for name in content.replicates]
+    if content.failures is not None:
+        words = f"{content.failing} A classification tree tells failed runs "
+        words += f"from good ones there, better than chance (p = {content.failures.p:.2g})."
+        blocks.append(Text(words, "warning"))
     if content.failed.any():
         blocks.append(_failures(content))
     count = len(content.ok)
@@ -55,6 +60,18 @@ def _count(content: Content) -> str:
             else "."
         )
     return words
+
+
+def _scatter(content: Content, output: str) -> str:
+    """What the replicates say of the noise."""
+    scatter = content.replicates[output]
+    std = digits.with_unit(digits.figure(scatter.std, 2), content.unit(output))
+    return (
+        f"{digits.quantity(scatter.points, 'point')} with replicates "
+        f"({digits.quantity(scatter.runs, 'run')}): the pure error of {output} has a standard "
+        f"deviation of {std} ({scatter.freedom} degrees of freedom). Replicates are left out "
+        "together in cross-validation."
+    )
 
 
 def _failures(content: Content) -> Table:

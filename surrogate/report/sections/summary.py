@@ -177,6 +177,7 @@ def warnings(content: Content) -> list[str]:
     if failed:
         of = digits.quantity(len(content.ok), "run")
         said.append(f"{failed} of {of} failed and are not used for training; see Runs.")
+        said += [content.failing] if content.failing else []
     missing = int(content.missing.sum())
     if missing:
         said.append(
@@ -184,6 +185,7 @@ def warnings(content: Content) -> list[str]:
             f"{'is' if missing == 1 else 'are'} not done yet."
         )
     said += content.not_done
+    said += [words for name in content.outputs if (words := uneven(content, name))]
     for output in content.outputs:
         said += [*_poor(content, output), *_saturated(content, output)]
         said += [words] if (words := refusal(content, output)) else []
@@ -196,6 +198,21 @@ def warnings(content: Content) -> list[str]:
                 f"resolution {roman(3)}: main effects are aliased with two-factor interactions."
             )
     return said
+
+
+def uneven(content: Content, output: str) -> str:
+    """A sentence when the scatter of replicates depends on the place; "" otherwise."""
+    scatter = content.replicates.get(output)
+    if scatter is None or not scatter.uneven:
+        return ""
+    low, high = (digits.figure(std, 2) for std in (scatter.smallest, scatter.largest))
+    unit = content.unit(output)
+    return (
+        f"The scatter of {output} depends on the place: its replicates have standard deviations "
+        f"from {low} to {digits.with_unit(high, unit)} (Brown-Forsythe test, "
+        f"p = {digits.figure(scatter.p, 2)}). The intervals, which take it to be the same "
+        "everywhere, are too wide at some places and too narrow at others."
+    )
 
 
 def _poor(content: Content, output: str) -> list[str]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from surrogate.designs.design import Design
 from surrogate.errors import KeyPath, PluginError
 from surrogate.runs.identity import canonical
+from surrogate.solver import Solver
 from surrogate.space.space import Space
 from surrogate.stages.plugin import call, parameters_of
 from surrogate.study import plugins
@@ -40,6 +41,22 @@ def designs_of(reading: Reading, space: Space | None) -> dict[str, Design]:
     if needed and not any(path[0] == "designs" for path in reading.broken):
         reading.wrong("name at least one design, such as train", "designs")
     return designs
+
+
+def replicated(
+    reading: Reading, designs: Mapping[str, Design], solver: Solver
+) -> dict[str, Design]:
+    """The designs with every point as often as the study says."""
+    times = reading.part.replicates
+    if times > 1 and getattr(solver, "deterministic", True):
+        reading.wrong(
+            "replicates of a deterministic solver are all the same; leave them out, or declare "
+            "deterministic = False in the solver",
+            "replicates",
+        )
+    elif times > 1 and getattr(solver, "recorded", False):
+        reading.wrong("the replicates of a table are its rows; leave this out", "replicates")
+    return {n: one.repeated(times) if times > 1 else one for n, one in designs.items()}
 
 
 def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) -> Design | None:

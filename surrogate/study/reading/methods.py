@@ -108,7 +108,7 @@ def _check_training(
 def _different(designs: Sequence[Design]) -> int:
     """Number of different points; those of a search differ from each other."""
     there = [design.coded for design in designs if design.at_hand]
-    sought = sum(design.rows for design in designs if not design.at_hand)
+    sought = sum(one.rows // one.replicates for one in designs if not one.at_hand)
     return sought + (len(np.unique(np.vstack(there), axis=0)) if there else 0)
 
 

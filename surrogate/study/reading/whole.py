@@ -19,7 +19,7 @@ from surrogate.study.reading.data import (
     recorded_of,
     rows_of,
 )
-from surrogate.study.reading.designs import designs_of
+from surrogate.study.reading.designs import designs_of, replicated
 from surrogate.study.reading.execution import check_execution
 from surrogate.study.reading.methods import check_screening, sensitivity_of, surrogates_of
 from surrogate.study.reading.mistakes import Reading, sentences
@@ -46,6 +46,10 @@ def fields_of(
     space = space_of(notes, solver, columns_of(data, solver)) if solver else None
     constants = constants_of(notes, solver) if solver else {}
     rows = rows_of(notes, data, space, spec, constants) if data and space else None
+    designs = designs_of(notes, space)
+    if solver:
+        designs = replicated(notes, designs, solver)
+    designs |= rows.designs if rows else {}
     fields: dict[str, Any] = {
         "name": part.study,
         "about": part.about.strip(),
@@ -53,7 +57,7 @@ def fields_of(
         "space": space,
         "constants": constants,
         "outputs": outputs_of(notes, solver, space) if solver else (),
-        "designs": (designs := designs_of(notes, space) | dict(rows.designs if rows else {})),
+        "designs": designs,
         "surrogates": surrogates_of(notes, designs, space),
         "sensitivity_method": sensitivity_of(notes, space),
         "execution": part.execution,
