@@ -70,6 +70,18 @@ def test_the_first_two_shell_blocks_are_the_two_commands():
     assert "pip install" in second and "pytest" in second
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there it has other paths")
+def test_continuous_integration_runs_these_two_commands():
+    """What .ci/block extracts, and the workflow runs, is the README's text."""
+    for number, block in enumerate(blocks(README, "sh")[:2], start=1):
+        done = subprocess.run(
+            [str(ROOT / ".ci" / "block"), str(number)], capture_output=True, text=True, check=True
+        )
+        assert done.stdout == block
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
+    assert ".ci/block 1" in workflow and ".ci/run" in workflow
+
+
 def test_every_study_that_ships_is_listed():
     """The table of docs/studies.md names each file in studies/, and no other."""
     shipped = {f"studies/{path.name}" for path in (ROOT / "studies").glob("*.yaml")}

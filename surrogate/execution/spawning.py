@@ -89,7 +89,7 @@ def _interrupts_held_back() -> Iterator[None]:
 
     It inherits the blocked signal; this process hears of a Ctrl-C a moment later.
     """
-    if sys.platform == "win32":
+    if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     resource_tracker.ensure_running()  # else process.start does, and lets signals through

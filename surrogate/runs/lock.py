@@ -1,23 +1,34 @@
-"""One writer at a time: a lock that a dead process cannot keep and nobody can delete unnoticed."""
+"""One writer at a time: a lock that a dead process cannot keep and nobody can delete unnoticed.
+
+The system holds it (POSIX locks, Windows' byte ranges). Where a file system knows no locks, as
+some of clusters do, a file beside it takes its place: `surrogate.runs.claim`.
+"""
 
 from __future__ import annotations
 
+import errno
 import os
-import socket
 import sys
-import time
 from contextlib import suppress
 from pathlib import Path
 
 from surrogate.errors import ResultsError
+from surrogate.runs import claim
 
 if sys.platform == "win32":
     import msvcrt
 else:
-    import fcntl
+    try:
+        import fcntl
+    except ImportError:  # a system without locks on files
+        fcntl = None  # type: ignore[assignment]
 
 #: Locks of POSIX keep other processes out; this keeps out the same process.
 _HELD: set[str] = set()
+#: What a system answers whose files cannot be locked.
+_NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOTSUP}
+#: The byte that Windows locks: beyond the text, which others can read then.
+_FAR = 2**30
 
 
 class Lock:
@@ -33,7 +44,7 @@ class Lock:
                 f"{path.parent} is in use by this process already; wait until its other "
                 "study is done"
             )
-        self._file = _taken(path)
+        self._file, self._claimed = _taken(path)
         _HELD.add(self._name)
 
     def check(self) -> None:
@@ -42,36 +53,43 @@ class Lock:
         Raises `ResultsError` when another process has taken the lock in the meantime.
         """
         if not is_at(self._file, self.path):
-            before, self._file = self._file, _taken(self.path)
+            before = self._file
+            self._file, self._claimed = _taken(self.path)
             os.close(before)
 
     def release(self) -> None:
         """Free the lock."""
         _HELD.discard(self._name)
+        if self._claimed:
+            claim.give_up(self.path)
         os.close(self._file)
 
 
 def is_at(file: int, path: Path) -> bool:
     """True when the open file is still the one at `path`."""
+    if sys.platform == "win32":
+        return path.exists()  # an open file cannot be deleted or replaced there
     try:
         return os.path.samestat(os.fstat(file), os.stat(path))
     except FileNotFoundError:
         return False
 
 
-def _taken(path: Path) -> int:
-    """Descriptor of the locked file at `path`, which says who holds it."""
+def _taken(path: Path) -> tuple[int, bool]:
+    """Descriptor of the locked file at `path`, which says who holds it; whether by a claim."""
     while True:
         file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         try:
-            _lock(file)
+            claimed = not _locked(file)
+            if claimed:
+                claim.take(path)
         except (BlockingIOError, PermissionError):
             holder = _holder(path)
             os.close(file)
             raise ResultsError(
                 f"{path.parent} is in use by {holder}; wait for it, or stop it, then run again"
             ) from None
-        except OSError:
+        except BaseException:
             os.close(file)
             raise
         if is_at(file, path):
@@ -79,22 +97,29 @@ def _taken(path: Path) -> int:
         os.close(file)  # deleted between opening and locking: this lock would keep nobody out
     with suppress(OSError):  # the lock holds even where the disk has no room for the name
         os.ftruncate(file, 0)
-        os.write(
-            file,
-            f"process {os.getpid()} on {socket.gethostname()}, "
-            f"since {time.strftime('%Y-%m-%d %H:%M:%S')}".encode(),
-        )
-    return file
+        os.write(file, claim.who().encode())
+    return file, claimed
 
 
-def _lock(file: int) -> None:
+def _locked(file: int) -> bool:
+    """Lock the file; False where files cannot be locked. Raises what the system raises."""
     if sys.platform == "win32":
+        os.lseek(file, _FAR, os.SEEK_SET)
         msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
-    else:
+        os.lseek(file, 0, os.SEEK_SET)
+        return True
+    if fcntl is None:
+        return False
+    try:
         fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if error.errno not in _NO_LOCKS:
+            raise
+        return False
+    return True
 
 
 def _holder(path: Path) -> str:
     with suppress(OSError, ValueError):
-        return path.read_text().strip() or "another process"
+        return path.read_text(encoding="utf-8").strip() or "another process"
     return "another process"
