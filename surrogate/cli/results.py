@@ -28,6 +28,7 @@ from surrogate.errors import ResultsError, StudyError
 from surrogate.execution.progress import Progress
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
+from surrogate.stages import kept
 from surrogate.stages.stage import Step
 from surrogate.stages.table import REPORT, SUMMARY
 from surrogate.study.analysis import walk
@@ -71,8 +72,9 @@ def do_runs(
     fresh: bool = False,
     progress: Callable[[Progress], None] | None = None,
 ) -> xr.Dataset:
-    """Do the missing runs (`fresh`: all of them again); returns the runs dataset.
+    """Do the missing runs; returns the runs dataset.
 
+    fresh: all of them again, and of what follows from them nothing is taken over either.
     The missing runs of a study that gives the cases of validation are done too.
     Raises KeyboardInterrupt when stopped; all finished runs are kept.
     """
@@ -89,6 +91,8 @@ def do_runs(
             reference.run(
                 workers=workers, results=study.beside(reference, folder), progress=progress
             )
+        if fresh:
+            kept.forget_all(folder)
     except KeyboardInterrupt:
         rundata.save(study.stored(folder), folder / RUNS)
         raise

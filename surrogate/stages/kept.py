@@ -60,3 +60,9 @@ def forget(folder: Path, stage: str, keep: Collection[Path]) -> None:
     for path in (folder / FOLDER).glob(f"{stage}-*{SUFFIX}"):
         if path not in keep:
             path.unlink(missing_ok=True)
+
+
+def forget_all(folder: Path) -> None:
+    """Delete all that is kept: every stage is done again."""
+    for path in (folder / FOLDER).glob("*"):
+        path.unlink(missing_ok=True)
