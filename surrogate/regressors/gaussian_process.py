@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from itertools import product
-from typing import Any, Self
+from typing import Any, Literal, Self, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -221,14 +221,18 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         """Degrees of freedom n - q of the t distribution of predictions (variance unknown)."""
         return len(self.points_) - len(self.trend_)
 
-    def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
+    @overload
+    def predict(self, X: ArrayLike, return_std: Literal[False] = False) -> Array: ...
+    @overload
+    def predict(self, X: ArrayLike, return_std: Literal[True]) -> tuple[Array, Array]: ...
+    def predict(self, X: ArrayLike, return_std: bool = False) -> Array | tuple[Array, Array]:
         """Values (m,) at coded X (m, d); with the standard deviation of a new run."""
         found = self.predict_many([self], X, return_std)
-        return tuple(part[:, 0] for part in found) if return_std else found[:, 0]
+        return (found[0][:, 0], found[1][:, 0]) if isinstance(found, tuple) else found[:, 0]
 
     def predict_many(
         self, models: Sequence[GaussianProcess], X: ArrayLike, return_std: bool = False
-    ) -> Any:
+    ) -> Array | tuple[Array, Array]:
         """Values (m, k) of processes of the same runs; with standard deviations (m, k)."""
         check_is_fitted(self)
         points = self.expanded(X)

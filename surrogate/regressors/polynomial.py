@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from itertools import combinations
-from typing import Any, Self
+from typing import Any, Literal, Self, overload
 
 import numpy as np
 import xarray as xr
@@ -182,16 +182,22 @@ class Polynomial(TermRegressor):
             model._set(own)
         return models
 
-    def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
+    @overload
+    def predict(self, X: ArrayLike, return_std: Literal[False] = False) -> Array: ...
+    @overload
+    def predict(self, X: ArrayLike, return_std: Literal[True]) -> tuple[Array, Array]: ...
+    def predict(self, X: ArrayLike, return_std: bool = False) -> Array | tuple[Array, Array]:
         """Values (m,) at coded X (m, d); with the standard deviation of a new observation."""
         rows = self.rows(X)
-        mean = rows @ self.coef_
+        mean: Array = rows @ self.coef_
         return (mean, self.model_.standard_error(rows)) if return_std else mean
 
-    def predict_many(self, models: Sequence[Self], X: ArrayLike, return_std: bool = False) -> Any:
+    def predict_many(
+        self, models: Sequence[Self], X: ArrayLike, return_std: bool = False
+    ) -> Array | tuple[Array, Array]:
         """Values (m, k) of fits made by one `fit_many`; with standard deviations (m, k)."""
         rows = self.rows(X)
-        mean = rows @ np.column_stack([model.coef_ for model in models])
+        mean: Array = rows @ np.column_stack([model.coef_ for model in models])
         if not return_std:
             return mean
         deviations = np.array([model.model_.residual_sd for model in models])
