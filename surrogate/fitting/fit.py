@@ -232,7 +232,7 @@ def folds(runs: int, *, seed: int = 0) -> Numbers:
     return np.random.default_rng(seed).permutation(np.arange(runs) % FOLDS)
 
 
-def point_folds(points: Numbers, *, seed: int = 0) -> Numbers:
+def point_folds(points: Array, *, seed: int = 0) -> Numbers:
     """Fold number of each run (n,) at coded points (n, d): replicates are left out together."""
     _, first, point = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)
     order = np.argsort(np.argsort(first))  # points are counted as they appear
