@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from surrogate.designs.center_points import centers
-from surrogate.designs.requirements import bounded, number
+from surrogate.designs.requirements import bounded, number, uncut
 from surrogate.errors import DesignError
 from surrogate.space.space import Space
 
@@ -26,7 +26,7 @@ def axial_points(
     alpha = number("alpha", alpha, 1e-3, 1.0)
     if alpha == 1.0:
         bounded(space, "axial_points")
-    return star(space, alpha)
+    return uncut(space, star(space, alpha), "axial_points")
 
 
 def star(space: Space, alpha: float) -> np.ndarray:

@@ -13,7 +13,7 @@ import numpy as np
 
 from surrogate.designs import regular_fraction
 from surrogate.designs.center_points import centers
-from surrogate.designs.requirements import continuous
+from surrogate.designs.requirements import continuous, uncut
 from surrogate.errors import DesignError
 from surrogate.space.space import Space
 
@@ -98,7 +98,8 @@ def box_behnken(space: Space, *, center_points: int = 1, seed: int | None = None
             "or d_optimal with model: quadratic"
         )
     rows = [_block_runs(block, space.size) for block in BLOCKS[space.size]]
-    return np.vstack([space.snap(np.vstack(rows)), centers(space, center_points)])
+    coded = np.vstack([space.snap(np.vstack(rows)), centers(space, center_points)])
+    return uncut(space, coded, "box_behnken")
 
 
 def _block_runs(block: tuple[int, ...], parameters: int) -> np.ndarray:

@@ -12,7 +12,7 @@ import itertools
 import numpy as np
 from numpy.typing import ArrayLike
 
-from surrogate.designs.requirements import whole
+from surrogate.designs.requirements import uncut, whole
 from surrogate.space.space import Space
 
 
@@ -24,7 +24,7 @@ def center_points(
     With categorical parameters, `runs` at each combination of their levels. The middle
     of an unbounded parameter is its median.
     """
-    return centers(space, whole("runs", runs, 1))
+    return uncut(space, centers(space, whole("runs", runs, 1)), "center_points")
 
 
 def centers(space: Space, runs: int) -> np.ndarray:

@@ -16,7 +16,7 @@ from surrogate.designs import regular_fraction
 from surrogate.designs.axial_points import star
 from surrogate.designs.center_points import centers
 from surrogate.designs.minimum_aberration import fewest_runs
-from surrogate.designs.requirements import affordable, choice, continuous, number
+from surrogate.designs.requirements import affordable, choice, continuous, number, uncut
 from surrogate.space.space import Space
 
 ALPHAS = ("rotatable", "spherical", "face")
@@ -41,7 +41,10 @@ def central_composite(
     continuous(space, "central_composite")
     corners = _corners(space, choice("cube", cube, CUBES))
     ratio = _ratio(alpha, *corners.shape)
-    return np.vstack([space.snap(corners / ratio), star(space, 1.0), centers(space, center_points)])
+    coded = np.vstack(
+        [space.snap(corners / ratio), star(space, 1.0), centers(space, center_points)]
+    )
+    return uncut(space, coded, "central_composite")
 
 
 def _corners(space: Space, cube: str) -> np.ndarray:

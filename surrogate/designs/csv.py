@@ -48,7 +48,8 @@ def csv(
         )
     header = [name.strip() for name in lines[0][1]]
     _check_header(file, header, space, delimiter)
-    mistakes, rows = [], []
+    mistakes: list[str] = []
+    rows, at = [], []
     for number, cells in lines[1:]:
         if len(cells) != len(header):
             mistakes.append(
@@ -57,12 +58,20 @@ def csv(
             )
             continue
         named = dict(zip(header, cells, strict=True))
+        at.append(number)
         rows.append(
             [
                 _coded(p, named[p.name].strip(), f"{file}:{number}", mistakes)
                 for p in space.parameters
             ]
         )
+    if not mistakes and space.region is not None:
+        mistakes += [
+            f"{file}:{at[i]}: the point breaks constraint '{text}'; change the point or the "
+            "constraint"
+            for text, where in space.region.broken(np.array(rows))
+            for i in np.flatnonzero(where)
+        ]
     if mistakes:
         more = [f"and {len(mistakes) - SHOWN} more"] if len(mistakes) > SHOWN else []
         raise DesignError("\n".join(mistakes[:SHOWN] + more))

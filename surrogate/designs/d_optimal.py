@@ -2,7 +2,8 @@
 
 Maximises det(F'F), F the model matrix of the runs, by coordinate exchange (Meyer and
 Nachtsheim 1995): the coordinates of each run in turn take their best values, from several
-random starts. For odd run counts, irregular models, or many-level categorical parameters.
+random starts. With constraints whole runs are exchanged for feasible candidates
+(Fedorov 1972). For odd run counts, irregular models, or many-level categorical parameters.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import itertools
 import numpy as np
 
 from surrogate.designs.requirements import affordable, bounded, choice, whole
+from surrogate.designs.vertices import feasible_candidates
 from surrogate.errors import DesignError
 from surrogate.space.space import Parameter, Space
 
@@ -57,6 +59,7 @@ class Model:
     """Terms of a polynomial in coded values and the values its parameters may take.
 
     values  candidate coded values of each parameter
+    candidates  points (candidate, parameter) to choose from where there are constraints
     size    number of terms
     """
 
@@ -64,6 +67,10 @@ class Model:
         self.parameters = space.parameters
         self.name = name
         self.values = [_candidates(p, 5 if name == "quadratic" else 2) for p in space.parameters]
+        self.candidates, self.basis = None, None
+        if space.region is not None:
+            self.candidates = feasible_candidates(space, self.values)
+            self.basis = _estimable(self.matrix(self.candidates))
         self.size = self.matrix(np.zeros((1, space.size))).shape[1]
 
     def matrix(self, coded: np.ndarray) -> np.ndarray:
@@ -81,7 +88,29 @@ class Model:
                 for values, p, main in zip(self.values, self.parameters, mains, strict=True)
                 if not p.categorical and len(values) > 2
             ]
-        return np.hstack(blocks)
+        full = np.hstack(blocks)
+        return full if self.basis is None else full @ self.basis
+
+    def start(self, runs: int, rng: np.random.Generator) -> np.ndarray:
+        """A random design (run, parameter)."""
+        if self.candidates is not None:
+            return np.asarray(rng.choice(self.candidates, size=runs))
+        return np.column_stack([rng.choice(values, size=runs) for values in self.values])
+
+    def neighbours(self, point: np.ndarray) -> np.ndarray:
+        """What a point may be exchanged for, (candidate, parameter)."""
+        return _neighbours(point, self.values) if self.candidates is None else self.candidates
+
+
+def _estimable(matrix: np.ndarray) -> np.ndarray:
+    """Orthonormal combinations (term, rank) of the terms that candidates can tell apart.
+
+    Equalities make terms depend on each other, as the components of a mixture and the constant
+    do; the combinations span the same polynomials as Scheffe's (1958), with the same optimum.
+    """
+    _, singular, rows = np.linalg.svd(matrix, full_matrices=False)
+    kept: np.ndarray = rows[singular > 1e-8 * singular[0]].T
+    return kept
 
 
 def _candidates(parameter: Parameter, count: int) -> np.ndarray:
@@ -112,7 +141,7 @@ def log_determinant(matrix: np.ndarray) -> float:
 
 def _search(model: Model, runs: int, rng: np.random.Generator) -> np.ndarray:
     """Coordinate exchange from a random start, until a pass over the runs changes nothing."""
-    design = np.column_stack([rng.choice(values, size=runs) for values in model.values])
+    design = model.start(runs, rng)
     matrix = model.matrix(design)
     for _ in range(PASSES):
         if not any([_improve(model, design, matrix, run) for run in range(runs)]):
@@ -127,7 +156,7 @@ def _improve(model: Model, design: np.ndarray, matrix: np.ndarray, run: int) -> 
     det(F'F) by (1 + g'Vg)(1 - f'Vf) + (f'Vg)^2 with V = (F'F)^-1 (Fedorov 1972, 3.2).
     """
     for changes in range(2 * len(model.values)):
-        rows = _neighbours(design[run], model.values)
+        rows = model.neighbours(design[run])
         new = model.matrix(rows)
         # Not updated from step to step: rounding would build up.
         inverse = np.linalg.inv(matrix.T @ matrix + RIDGE * np.eye(model.size))

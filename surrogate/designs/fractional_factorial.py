@@ -14,7 +14,7 @@ from surrogate.designs import generators as products
 from surrogate.designs import regular_fraction
 from surrogate.designs.center_points import centers
 from surrogate.designs.minimum_aberration import fewest_runs, fraction
-from surrogate.designs.requirements import affordable, two_level, whole
+from surrogate.designs.requirements import affordable, two_level, uncut, whole
 from surrogate.errors import DesignError
 from surrogate.space.space import Space
 
@@ -51,7 +51,8 @@ def fractional_factorial(
     else:
         masks = _by_resolution(space, resolution) if runs is None else _by_runs(space, runs)
         coded = regular_fraction.matrix(masks, max(masks).bit_length())
-    return np.vstack([coded, centers(space, center_points)])
+    coded = np.vstack([coded, centers(space, center_points)])
+    return uncut(space, coded, "fractional_factorial")
 
 
 def _by_resolution(space: Space, resolution: Any) -> tuple[int, ...]:

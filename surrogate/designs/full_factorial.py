@@ -11,7 +11,7 @@ import pyDOE3
 from numpy.typing import NDArray
 
 from surrogate.designs.center_points import centers
-from surrogate.designs.requirements import affordable, bounded, whole
+from surrogate.designs.requirements import affordable, bounded, uncut, whole
 from surrogate.errors import DesignError, nearest
 from surrogate.space.space import Parameter, Space
 
@@ -39,7 +39,8 @@ def full_factorial(
     index = pyDOE3.fullfact(counts).astype(int)
     grids = [_grid(p, count) for p, count in zip(space.parameters, counts, strict=True)]
     coded = np.column_stack([grid[index[:, j]] for j, grid in enumerate(grids)])
-    return np.vstack([coded, centers(space, center_points)])
+    coded = np.vstack([coded, centers(space, center_points)])
+    return uncut(space, coded, "full_factorial")
 
 
 def _grid(parameter: Parameter, count: int) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from surrogate.designs.different import different
+from surrogate.designs.different import different, feasible
 from surrogate.designs.requirements import affordable, whole
 from surrogate.designs.sobol import EDGE
 from surrogate.space.space import Space
@@ -20,11 +20,19 @@ def halton(space: Space, *, runs: int, seed: int | None = None) -> NDArray[np.fl
     """`runs` scrambled points, coded (run, parameter), by the joint law of the space.
 
     With the same seed, the points of a smaller design are the first of a larger one. Where all
-    parameters are integers, listed values or levels, points that stood before are left out.
+    parameters are integers, listed values or levels, points that stood before are left out;
+    so are points that break a constraint.
     """
     runs = whole("runs", runs, 1)
     affordable(runs, "halton", "lower runs")
     engine = qmc.Halton(space.size, scramble=True, seed=np.random.default_rng(seed))
-    return different(
-        space, lambda n: space.quantile(np.clip(engine.random(n), EDGE, 1.0 - EDGE)), runs
-    )
+
+    def uniform(points: int) -> NDArray[np.float64]:
+        return np.clip(engine.random(points), EDGE, 1.0 - EDGE)
+
+    def draw(points: int) -> NDArray[np.float64]:
+        if space.region is not None:
+            return feasible(space, uniform, points, "halton")
+        return space.quantile(uniform(points))
+
+    return different(space, draw, runs)

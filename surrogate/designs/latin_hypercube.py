@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.designs.design import searching
-from surrogate.designs.maximin import maximin
+from surrogate.designs.maximin import LARGEST, maximin
 from surrogate.designs.requirements import affordable, choice, number, whole
+from surrogate.designs.scattered import scattered
 from surrogate.space.space import Space
 
 CRITERIA = ("maximin", "random")
@@ -44,11 +45,18 @@ def latin_hypercube(
     effort     how many times the usual number of exchanges maximin tries: 10 takes ten times
                as long and brings the points some per cent further apart
     Integers and listed values take what lies in the slices; maximin keeps the points apart as
-    they are taken. Correlated parameters keep their slices and take the rank correlation of
-    the space.
+    they are taken. Constraints leave no slices: maximin then spreads the points over what is
+    left of the box, and random draws them from it. Correlated parameters keep their slices and
+    take the rank correlation of the space.
     """
     runs = checked(space, runs=runs, criterion=criterion, effort=effort)
     rng = np.random.default_rng(seed)
+    if space.region is not None:
+        return (
+            scattered(space, runs, rng, effort)
+            if criterion == "maximin" and runs <= LARGEST
+            else space.sample(runs, seed=seed)
+        )
     ranks = rng.permuted(np.tile(np.arange(runs)[:, None], space.size), axis=0)
     if criterion == "maximin":
         ranks, within = _apart(space, ranks, rng, effort), np.full(ranks.shape, 0.5)

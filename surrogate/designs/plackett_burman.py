@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 
 from surrogate.designs.center_points import centers
-from surrogate.designs.requirements import affordable, two_level, whole
+from surrogate.designs.requirements import affordable, two_level, uncut, whole
 from surrogate.errors import DesignError
 from surrogate.space.space import Space
 
@@ -38,7 +38,8 @@ def plackett_burman(
             f"use one of {', '.join(sizes[:8])}"
         )
     columns = saturated(runs)[:, : space.size]
-    return np.vstack([columns, centers(space, center_points)])
+    coded = np.vstack([columns, centers(space, center_points)])
+    return uncut(space, coded, "plackett_burman")
 
 
 def saturated(runs: int) -> np.ndarray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surrogate.errors import DesignError, nearest
 from surrogate.space.space import Space
@@ -61,6 +62,19 @@ def continuous(space: Space, method: str) -> None:
             if p.allowed is not None and len(p.allowed) == 2
         ]
     )
+
+
+def uncut(space: Space, coded: NDArray[np.float64], method: str) -> NDArray[np.float64]:
+    """The points (run, parameter); raise when a constraint cuts some of them."""
+    if space.region is not None:
+        _refuse(
+            [
+                f"constraint '{text}' cuts {int(where.sum())} of the {len(coded)} points of "
+                f"{method}; use d_optimal or latin_hypercube, or narrow a range"
+                for text, where in space.region.broken(coded)
+            ]
+        )
+    return coded
 
 
 def whole(option: str, value: object, least: int) -> int:

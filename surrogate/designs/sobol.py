@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from surrogate.designs.different import different
+from surrogate.designs.different import different, feasible
 from surrogate.designs.requirements import affordable, whole
 from surrogate.space.space import Space
 
@@ -22,7 +22,8 @@ def sobol(space: Space, *, runs: int, seed: int | None = None) -> NDArray[np.flo
     """`runs` scrambled points, coded (run, parameter), by the joint law of the space.
 
     With the same seed, the points of a smaller design are the first of a larger one. Where all
-    parameters are integers, listed values or levels, points that stood before are left out.
+    parameters are integers, listed values or levels, points that stood before are left out;
+    so are points that break a constraint.
     """
     runs = whole("runs", runs, 1)
     affordable(runs, "sobol", "lower runs")
@@ -30,8 +31,14 @@ def sobol(space: Space, *, runs: int, seed: int | None = None) -> NDArray[np.flo
 
     def draw(points: int) -> NDArray[np.float64]:
         engine = qmc.Sobol(space.size, scramble=True, seed=generator)
+        if space.region is not None:
+            return feasible(space, lambda n: _inside(engine.random(n)), points, "sobol")
         # Drawn to the next power of two: the engine warns about other sizes.
         u = engine.random_base2((points - 1).bit_length())[:points]
-        return space.quantile(np.clip(u, EDGE, 1.0 - EDGE))
+        return space.quantile(_inside(u))
 
     return different(space, draw, runs)
+
+
+def _inside(u: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.clip(u, EDGE, 1.0 - EDGE)

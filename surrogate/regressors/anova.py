@@ -52,7 +52,7 @@ def quadratures(space: Space | None, size: int, order: int) -> list[Rule]:
     if space is not None and not space.independent:
         raise FitError(
             "closed-form Sobol' indices need independent parameters, but these are "
-            "correlated; use Shapley effects"
+            "correlated or joined by constraints; use Shapley effects"
         )
     return marginals(space, size, order)
 

@@ -4,6 +4,12 @@ A numeric parameter is one column, its coded value. A categorical one with k lev
 is k - 1 effect-coded columns, one for each level but the first: 1 at that level,
 -1 at the first, 0 elsewhere. With two levels this is the coded value itself, so a number
 with two allowed values is such a column too: its square is the constant.
+
+A component of a mixture, or another parameter that follows from the others by an equality, has
+no column: with it the constant and the columns would depend on each other. What is left is the
+slack-variable model, which spans the same polynomials as Scheffe's canonical one without
+constant (Scheffe 1958; Cornell 2002, "Experiments with Mixtures"), so that predictions are the
+same, and keeps the usual meaning of R2, F and coefficients.
 """
 
 from __future__ import annotations
@@ -43,9 +49,11 @@ def columns_of(space: Space | None, size: int) -> tuple[Column, ...]:
     """Columns of a space; without one, of `size` numeric parameters called x1, x2, ..."""
     if space is None:
         return tuple(Column(j, f"x{j + 1}") for j in range(size))
+    follows = space.region.dependent if space.region is not None else ()
     return tuple(
         column
         for j, parameter in enumerate(space.parameters)
+        if j not in follows
         for column in _of_parameter(j, parameter)
     )
 

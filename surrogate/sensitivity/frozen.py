@@ -9,6 +9,7 @@ import numpy as np
 from scipy import stats
 
 from surrogate.estimator import Array
+from surrogate.sensitivity.conditional import points as law_points
 from surrogate.sensitivity.draws import Measure, Spread, spread
 from surrogate.sensitivity.model import Model, Seed
 from surrogate.sensitivity.pick_freeze import (
@@ -113,7 +114,7 @@ def frozen_error(
     generator = np.random.default_rng(seed)
     squares, mean, second = 0.0, np.zeros(width), np.zeros(width)
     for u in unit_blocks(one.space.size, runs, block_size(4 * width, runs), generator):
-        points = one.space.quantile(u)
+        points = law_points(one.space, u)
         values = (one.predict(points) - centre).reshape(len(points), -1)
         points[:, frozen] = at[frozen]
         reduced = (one.predict(points) - centre).reshape(len(points), -1)

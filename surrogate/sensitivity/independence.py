@@ -1,4 +1,4 @@
-"""Methods whose results correlated parameters would spoil."""
+"""Methods whose results dependent parameters would spoil."""
 
 from __future__ import annotations
 
@@ -20,15 +20,16 @@ def needs_independent(method: Method) -> Method:
 
 
 def spoilt(method: object, space: Space) -> bool:
-    """True when the method needs independent parameters and these are correlated."""
+    """True when the method needs independent parameters and these are not."""
     return bool(getattr(method, "needs_independent", False)) and not space.independent
 
 
 def require_independent(space: Space, method: str) -> None:
-    """Refuse correlated parameters, for methods whose results they would spoil."""
+    """Refuse dependent parameters, for methods whose results they would spoil."""
     if not space.independent:
+        joined = "joined by constraints" if space.constraints else "correlated"
         raise StudyError(
             f"sensitivity method {method} needs independent parameters, but these are "
-            "correlated: first-order and total indices then no longer split the variance (they "
+            f"{joined}: first-order and total indices then no longer split the variance (they "
             "may sum to more than 1). Use method shapley, whose effects always sum to 1"
         )

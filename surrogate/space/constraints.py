@@ -65,9 +65,9 @@ class Constraint:
 
     text: str
     names: tuple[str, ...]
-    _tree: ast.Compare = field(repr=False)
-    _literals: Mapping[str, float] = field(repr=False)
-    _units: Mapping[str, str] = field(repr=False)
+    _tree: ast.Compare = field(repr=False, compare=False)
+    _literals: Mapping[str, float] = field(repr=False, compare=False)
+    _units: Mapping[str, str] = field(repr=False, compare=False)
 
     def __deepcopy__(self, memo: object) -> Constraint:
         """Itself: nothing in it changes."""
@@ -91,6 +91,11 @@ class Constraint:
         For an equality: minus the size of the difference of its sides.
         """
         return np.asarray(reduce(np.minimum, (_margin(*one) for one in self._pairs(physical))))
+
+    def difference(self, physical: Mapping[str, Any]) -> Array:
+        """Left less right side, shape (run,), in base units; of an equality zero."""
+        _, left, right = self._pairs(physical)[0]
+        return np.asarray(left - right)
 
     def _pairs(self, physical: Mapping[str, Any]) -> list[tuple[ast.cmpop, Array, Array]]:
         """What is compared: operator, left and right side in base units."""

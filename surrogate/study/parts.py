@@ -297,6 +297,11 @@ class StudyPart(Part):
     correlation: tuple[tuple[str, str, Annotated[float, Field(gt=-1, lt=1)]], ...] = Field(
         (), description="[name, name, correlation] of dependent parameters (Gaussian copula)."
     )
+    constraints: Texts = Field(
+        (),
+        description="Inequalities such as 'width + 2*gap <= 80 mm', or mixtures such as "
+        "'a + b + c = 1', that all points keep.",
+    )
     constants: dict[Name, ConstantPart] = {}
     outputs: tuple[str, ...] | None = Field(None, description="Default: all of the solver's.")
     designs: dict[Name, DesignPart] = {}

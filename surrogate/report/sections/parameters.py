@@ -15,8 +15,11 @@ from surrogate.space.space import Parameter
 def section(content: Content) -> Section:
     """Parameters with ranges, units and distributions; outputs with units."""
     blocks: list[Block] = [_parameters(content)]
-    if not content.space.independent:
+    if content.space.correlation is not None:
         blocks.append(_correlation(content))
+    if content.space.constraints:
+        kept = digits.listing([one.text for one in content.space.constraints])
+        blocks.append(Text(f"All points keep these constraints: {kept}.", "note"))
     blocks.append(_outputs(content))
     return Section("parameters", "Parameters and outputs", tuple(blocks))
 

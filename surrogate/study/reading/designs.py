@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.designs.design import Design
+from surrogate.designs.requirements import uncut
 from surrogate.errors import KeyPath, PluginError
 from surrogate.runs.identity import canonical
 from surrogate.solver import Solver
@@ -100,7 +101,8 @@ def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) 
 def _identity(space: Space, names: Sequence[str], options: Sequence[Mapping[str, Any]]) -> str:
     """Equal for designs of equal methods, options and laws of the parameters in their order."""
     laws = [[p.name, p.distribution and p.distribution.words, p.levels] for p in space.parameters]
-    said = canonical([list(zip(names, options, strict=True)), laws, space.correlation])
+    joined = [[one.text for one in space.constraints], space.fixed] if space.constraints else []
+    said = canonical([list(zip(names, options, strict=True)), laws, space.correlation, *joined])
     return hashlib.sha256(said.encode()).hexdigest()[:32]
 
 
@@ -143,7 +145,7 @@ def _points(
             f"'{name}' gave an array of shape {coded.shape}; it must give coded "
             f"points (run, {space.size}), one column a parameter, all finite"
         )
-    return space.snap(coded)
+    return uncut(space, space.snap(coded), name)
 
 
 def _method(

@@ -138,9 +138,14 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
         function = plugins.load(plugins.SENSITIVITY, part.method, reading.folder)
         reading.add(option_mistakes(function, part.options, GIVEN_TO_SENSITIVITY), "sensitivity")
         if space is not None and spoilt(function, space):
+            joined, word = (
+                ("joined by constraints", "constraints")
+                if space.constraints
+                else ("correlated", "correlation")
+            )
             reading.wrong(
                 f"method {part.method} needs independent parameters, but these are "
-                "correlated; use method shapley, or drop correlation",
+                f"{joined}; use method shapley, or drop {word}",
                 "sensitivity",
                 "method",
             )

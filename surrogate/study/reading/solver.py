@@ -23,6 +23,7 @@ from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import ConstantPart, ParameterPart, SolverPart
 from surrogate.study.reading.building import limited
+from surrogate.study.reading.constraints import constraints_of
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.solver_factory import SolverFactory
 
@@ -122,8 +123,19 @@ def space_of(
         reading.wrong("name at least one parameter that varies", "parameters")
     if len(parameters) < declared or not parameters:
         return None
+    correlation = None
     with reading.mistakes_at("correlation"):
-        return Space(tuple(parameters), _correlation(reading, [p.name for p in parameters]))
+        correlation = _correlation(reading, [p.name for p in parameters])
+        space = Space(tuple(parameters), correlation)
+        if not reading.part.constraints:
+            return space
+    constants = constants_of(replace(reading, mistakes=[]), solver)
+    before = len(reading.mistakes)
+    constraints, fixed = constraints_of(reading, solver, constants)
+    if len(reading.mistakes) > before:
+        return None
+    with reading.mistakes_at("constraints"):
+        return Space(tuple(parameters), correlation, constraints, fixed)
     return None
 
 

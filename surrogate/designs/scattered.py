@@ -1,0 +1,70 @@
+"""Points of a region that lie far apart: selected one by one from many, then exchanged.
+
+Each point is the candidate farthest from those taken before (Kennard and Stone 1969). Their
+smallest distance is at least half of the largest that so many candidates allow (Gonzalez 1985,
+doi 10.1016/0304-3975(85)90224-5). Exchanges then move one of the closest pair to the emptiest
+place as long as that helps. Distances are those of probabilities, so that the points follow
+the law of the parameters.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.space.space import Space
+
+Coded = NDArray[np.float64]
+
+#: Candidates for each point, at least and at most so many, and candidates times points.
+CANDIDATES, FEWEST, MOST, LARGEST_WORK = 40, 2_000, 200_000, 2e8
+#: Exchanges for each point.
+EXCHANGES = 4
+
+
+def scattered(space: Space, runs: int, rng: np.random.Generator, effort: float = 1.0) -> Coded:
+    """`runs` coded points (run, parameter) of a space with constraints, far apart."""
+    wanted = np.clip(effort * CANDIDATES * runs, FEWEST, max(FEWEST, effort * MOST))
+    count = int(max(runs, min(wanted, effort * LARGEST_WORK / runs)))
+    coded = space.sample(count, seed=int(rng.integers(2**31)))
+    places = np.column_stack([p.probability(coded[:, j]) for j, p in enumerate(space.parameters)])
+    return coded[_exchanged(places, _farthest(places, runs), round(EXCHANGES * runs))]
+
+
+def _farthest(places: Coded, runs: int) -> NDArray[np.intp]:
+    """Numbers of `runs` of the places, each the farthest from those before; first the outermost."""
+    taken = np.empty(runs, dtype=np.intp)
+    taken[0] = int(_squared(places, places.mean(axis=0)).argmax())
+    nearest = _squared(places, places[taken[0]])
+    for k in range(1, runs):
+        taken[k] = int(nearest.argmax())
+        np.minimum(nearest, _squared(places, places[taken[k]]), out=nearest)
+    return taken
+
+
+def _exchanged(places: Coded, taken: NDArray[np.intp], exchanges: int) -> NDArray[np.intp]:
+    """The same after exchanges that make the smallest distance larger."""
+    if len(taken) < 3 or len(taken) > 2_000:
+        return taken
+    for _ in range(exchanges):
+        points = places[taken]
+        apart = _squared(points[:, None], points[None])
+        np.fill_diagonal(apart, np.inf)
+        first, second = np.unravel_index(int(apart.argmin()), apart.shape)
+        before = float(apart[first, second])
+        gains = []
+        for leaving in (int(first), int(second)):
+            rest = np.delete(points, leaving, axis=0)
+            nearest = np.min([_squared(places, point) for point in rest], axis=0)
+            entering = int(nearest.argmax())
+            gains.append((float(nearest[entering]), leaving, entering))
+        distance, leaving, entering = max(gains)
+        if distance <= before * (1.0 + 1e-9):
+            break
+        taken[leaving] = entering
+    return taken
+
+
+def _squared(a: Coded, b: Coded) -> Coded:
+    """Squared distances over the last axis."""
+    return np.asarray(((a - b) ** 2).sum(axis=-1))
