@@ -43,6 +43,9 @@ def check(study: Study, results: Path) -> Page:
         table("parameters", ("name", "unit", "values"), parameters),
         "",
     ]
+    if study.space.constraints:
+        kept = [(one.text,) for one in study.space.constraints]
+        parts += [table("constraints", ("all points keep",), kept), ""]
     if study.constants:
         rows = [
             (name, study.spec.solver.inputs[name].unit, value)

@@ -11,6 +11,7 @@ import numpy as np
 
 from surrogate.conformance.verdict import attempt, conclude, documented, global_randomness, same
 from surrogate.errors import DesignError
+from surrogate.space.constraints import parse
 from surrogate.space.discrete import integers, listed
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
@@ -19,6 +20,7 @@ _RANGES = tuple(
     Parameter(name, uniform(low, low + 2.0), unit="mm")
     for name, low in (("length", 1.0), ("width", -3.0), ("height", 0.0))
 )
+_NAMES = tuple(p.name for p in _RANGES)
 #: Spaces that a study may have; on all but the first a method may refuse with DesignError.
 SPACES = {
     "three ranges": Space(_RANGES),
@@ -40,6 +42,9 @@ SPACES = {
     ),
     "a parameter without ends": Space(
         (*_RANGES, Parameter("load", distribution("normal", mean=5.0, std=1.0), unit="N"))
+    ),
+    "ranges joined by a constraint": Space(
+        _RANGES, constraints=(parse("length + height <= 4 mm", dict.fromkeys(_NAMES, "mm")),)
     ),
     "correlated ranges": Space(_RANGES[:2], correlation=((1.0, 0.6), (0.6, 1.0))),
 }
@@ -165,6 +170,11 @@ def _coded(coded: Any, where: str, space: Space) -> Iterable[str]:
     elif not np.isfinite(coded).all() or np.abs(coded).max() > 1.0 + 1e-12:
         yield f"{where} leaves [-1, 1]; return coded values"
     else:
+        if space.region is not None and not space.region.holds(coded).all():
+            yield (
+                f"{where} breaks {' and '.join(text for text, _ in space.region.broken(coded))}; "
+                "draw with space.sample, or raise DesignError"
+            )
         for j, p in enumerate(space.parameters):
             column = coded[:, j]
             if p.categorical and np.abs(column[:, None] - p.coded_levels).min(axis=1).max() > 1e-9:

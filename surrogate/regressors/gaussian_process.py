@@ -340,7 +340,8 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
     def own_columns(self, parameter: int, nodes: Array) -> tuple[list[int], Array]:
         """Numbers of one parameter's columns, and their values (m, own) at its nodes (m,)."""
         own = [j for j, column in enumerate(self.columns_) if column.parameter == parameter]
-        return own, np.column_stack([self.columns_[j].values(nodes) for j in own])
+        none = np.empty((len(nodes), 0))  # of a parameter that follows from the others
+        return own, np.column_stack([none, *(self.columns_[j].values(nodes) for j in own)])
 
     def factor(self, parameter: int, nodes: Array) -> Array:
         """Part of each term (n kernels, then q trend terms) that depends on one parameter."""

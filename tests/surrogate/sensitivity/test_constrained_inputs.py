@@ -84,6 +84,7 @@ def test_surrogates_of_mixtures_are_not_singular(estimator):
     one = fit(space, coded, truth(coded), estimator, surrogate="s")
     fresh = space.sample(50, seed=9)
     assert one.predict(fresh) == pytest.approx(truth(fresh), abs=1e-2)
+    assert np.isfinite(shapley(one, space, samples=64, draws=4)["shapley_high"]).all()
     if isinstance(estimator, Linear):
         table = one.estimator.regression_table()
         assert table["term"].values.tolist() == ["1", "a", "b", "x"]
