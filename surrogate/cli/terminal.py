@@ -338,6 +338,12 @@ def _screening_line(screening: Mapping[str, Any]) -> str:
     return f"screening: keep {', '.join(screening['keep']) or 'nothing'}; may be frozen: {frozen}"
 
 
+def _place(row: Mapping[str, Any]) -> str:
+    if not row["inside"]:
+        return "OUTSIDE"
+    return "inside, but FAR FROM THE ROWS (extrapolated)" if row["extrapolated"] else "inside"
+
+
 def predict(
     study: Study, results: Path, surrogate: str | None, words: Sequence[str], points: Path | None
 ) -> Page:
@@ -363,7 +369,7 @@ def predict(
                     answer["surrogate"],
                     shown,
                     interval,
-                    "inside" if row["inside"] else "OUTSIDE",
+                    _place(row),
                 )
             )
     parts.append(

@@ -223,7 +223,7 @@ class SurrogatePart(Part):
 class SensitivityPart(OpenPart):
     """Which parameters matter, read from a surrogate."""
 
-    method: str = "sobol"
+    method: str = Field("sobol", description="Default: sobol, of correlated parameters shapley.")
     surrogate: str = Field("best", description="A surrogate's name, or best.")
     confidence: float = Field(0.95, gt=0, lt=1)
     groups: dict[Name, tuple[str, ...]] = Field(

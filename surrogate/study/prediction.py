@@ -12,6 +12,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.errors import FitError, ResultsError, StudyError, nearest
+from surrogate.fitting.extrapolation import extrapolates
 from surrogate.fitting.fit import Fit
 from surrogate.space.space import Space
 from surrogate.stages.walk import Walk
@@ -26,7 +27,10 @@ Numbers = NDArray[np.float64]
 class Predictions:
     """One row a point, `inside` telling whether the study's ranges cover it.
 
-    rows  {"point", "inputs", "inside", "outputs": {name: {"surrogate", "value", "low", "high"}}}
+    A point in the ranges is `extrapolated` too where it lies outside of a table's cloud of rows.
+
+    rows  {"point", "inputs", "inside", "extrapolated",
+          "outputs": {name: {"surrogate", "value", "low", "high"}}}
     note  what a reader should know before relying on them; may be empty
     """
 
@@ -50,9 +54,10 @@ def predict(
     coded = study.space.encode(physical)
     fits, notes = fits_at_hand(study, results, surrogate)
     inside = study.space.contains(coded)
+    hidden = _hidden(study, [fit for _, fit in fits.values()], coded)
     outputs = {output: (name, *_with_interval(fit, coded)) for output, (name, fit) in fits.items()}
     return Predictions(
-        [_row(study.space, physical, inside, outputs, i) for i in range(len(coded))],
+        [_row(study.space, physical, inside, hidden, outputs, i) for i in range(len(coded))],
         "\n".join(notes),
     )
 
@@ -82,6 +87,7 @@ def _row(
     space: Space,
     physical: Mapping[str, Any],
     inside: NDArray[np.bool_],
+    hidden: NDArray[np.bool_],
     outputs: Mapping[str, tuple[str, Numbers, Numbers, Numbers]],
     i: int,
 ) -> dict[str, Any]:
@@ -89,6 +95,7 @@ def _row(
         "point": i,
         "inputs": {name: np.asarray(physical[name])[i].item() for name in space.names},
         "inside": bool(inside[i]),
+        "extrapolated": bool(hidden[i] or not inside[i]),
         "outputs": {
             output: {
                 "surrogate": name,
@@ -99,6 +106,14 @@ def _row(
             for output, (name, mean, low, high) in outputs.items()
         },
     }
+
+
+def _hidden(study: Study, fits: Iterable[Fit], coded: Numbers) -> NDArray[np.bool_]:
+    """Which points lie outside of a table's cloud of training rows, whatever their ranges."""
+    found = np.zeros(len(coded), dtype=bool)
+    for fit in fits if study.spec.recorded else ():
+        found |= extrapolates(study.space, fit.coded, coded)
+    return found
 
 
 def _with_interval(fit: Fit, coded: Numbers) -> tuple[Numbers, Numbers, Numbers]:

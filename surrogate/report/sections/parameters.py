@@ -5,18 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from surrogate.report import digits
-from surrogate.report.blocks import Block, Cell, Section, Table, Text, heads
+from surrogate.report.blocks import Block, Cell, Figure, Figures, Section, Table, Text, heads
 from surrogate.report.content import Content
+from surrogate.report.figures.cloud import cloud_plot
+from surrogate.space.dependence import correlated_pairs
 from surrogate.space.discrete import DiscreteLaw
 from surrogate.space.distributions import Distribution
 from surrogate.space.space import Parameter
+
+#: Pairs of correlated parameters that are drawn.
+PICTURES = 4
 
 
 def section(content: Content) -> Section:
     """Parameters with ranges, units and distributions; outputs with units."""
     blocks: list[Block] = [_parameters(content)]
     if content.space.correlation is not None:
-        blocks.append(_correlation(content))
+        blocks += _correlation(content)
     if content.space.constraints:
         kept = digits.listing([one.text for one in content.space.constraints])
         blocks.append(Text(f"All points keep these constraints: {kept}.", "note"))
@@ -38,6 +43,7 @@ def _parameters(content: Content) -> Table:
         else "All other inputs have the value of the study's constants (see Provenance) or the "
         "solver's nominal value."
     )
+    rest = "They are columns of the table." if content.recorded else rest
     return Table(f"Parameters that vary. {rest}", words, tuple(rows))
 
 
@@ -103,15 +109,23 @@ def _outputs(content: Content) -> Table:
     )
 
 
-def _correlation(content: Content) -> Text:
-    matrix = np.asarray(content.space.correlation)
-    names = content.space.names
-    pairs = [
-        f"{names[i]} and {names[j]} ({digits.fixed(matrix[i, j], 2)})"
-        for i in range(len(names))
-        for j in range(i)
-        if abs(matrix[i, j]) > 1e-12
-    ]
-    return Text(
-        f"The parameters are correlated (Gaussian copula): {digits.listing(pairs)}.", "note"
+def _correlation(content: Content) -> list[Block]:
+    """Which parameters depend on each other; for a table, what its cloud leaves empty."""
+    found = correlated_pairs(content.space)
+    pairs = [f"{one} and {other} ({digits.fixed(c, 2)})" for one, other, c in found]
+    words = f"The parameters are correlated (Gaussian copula): {digits.listing(pairs)}."
+    if not content.recorded:
+        return [Text(words, "note")]
+    words += (
+        " The runs are a cloud and not a box: combinations that no run comes near are "
+        "extrapolation, although each value lies in its range. Sensitivity takes the parameters "
+        "as dependent."
     )
+    pictures = tuple(
+        Figure(
+            cloud_plot(content.space, content.coded, content.numbers, (one, other)),
+            f"Runs by {one} and {other}, from smallest to largest; shaded: corners without runs.",
+        )
+        for one, other, _ in found[:PICTURES]
+    )
+    return [Text(words, "note"), Figures(pictures)]

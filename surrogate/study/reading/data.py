@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from surrogate.runs.identity import SolverSpec, canonical, run_inputs
 from surrogate.runs.stored import StoredRuns
 from surrogate.solver import Output, Solver
 from surrogate.space import units
+from surrogate.space.dependence import correlated_pairs, dependence
 from surrogate.space.space import Space
 from surrogate.study.parts import DataPart, ParameterPart, StudyPart
 from surrogate.study.reading.mistakes import Reading
@@ -400,3 +401,18 @@ def _runs(
         },
     )
     return StoredRuns(data.name, dataset), notes
+
+
+def with_dependence(reading: Reading, space: Space, rows: Rows) -> Space:
+    """The space with the dependence that the rows show, unless the study says it itself."""
+    if {"correlation", "constraints"} & reading.part.model_fields_set:
+        return space
+    coded = np.vstack([design.coded for design in rows.designs.values()])
+    found = replace(space, correlation=dependence(space, coded))
+    pairs = [f"{one} and {other} ({c:.2f})" for one, other, c in correlated_pairs(found)]
+    if pairs:
+        reading.notes.append(
+            f"the inputs are correlated: {', '.join(pairs)}; the sensitivities take them as "
+            "dependent (correlation: [] takes them as independent)"
+        )
+    return found

@@ -19,7 +19,7 @@ from surrogate.stages.sensitivity import SensitivityMethod
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
-from surrogate.study.parts import SurrogatePart
+from surrogate.study.parts import SensitivityPart, SurrogatePart
 from surrogate.study.reading.data import DATA
 from surrogate.study.reading.mistakes import Reading
 
@@ -135,32 +135,42 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
             "surrogate",
         )
     with reading.mistakes_at("sensitivity", "method"):
-        function = plugins.load(plugins.SENSITIVITY, part.method, reading.folder)
+        method = _method(part, space)
+        function = plugins.load(plugins.SENSITIVITY, method, reading.folder)
         reading.add(option_mistakes(function, part.options, GIVEN_TO_SENSITIVITY), "sensitivity")
         if space is not None and spoilt(function, space):
-            joined, word = (
-                ("joined by constraints", "constraints")
+            joined, cure = (
+                ("joined by constraints", "drop constraints")
                 if space.constraints
-                else ("correlated", "correlation")
+                else (
+                    "correlated",
+                    "write correlation: []" if reading.part.data else "drop correlation",
+                )
             )
             reading.wrong(
                 f"method {part.method} needs independent parameters, but these are "
-                f"{joined}; use method shapley, or drop {word}",
+                f"{joined}; use method shapley, or {cure}",
                 "sensitivity",
                 "method",
             )
-        if reading.part.screening is not None and part.method not in ("sobol", "shapley"):
+        if reading.part.screening is not None and method not in ("sobol", "shapley"):
             reading.wrong(
                 "screening decides by the total indices of method sobol, or by the indices of "
                 f"method shapley, not {part.method}; change the method, or drop screening",
                 "screening",
                 on_key=True,
             )
-        _check_groups(reading, part.method, function, part.groups)
+        _check_groups(reading, method, function, part.groups)
         return SensitivityMethod(
-            part.method, function, part.options, part.surrogate, part.confidence, part.groups
+            method, function, part.options, part.surrogate, part.confidence, part.groups
         )
     return None
+
+
+def _method(part: SensitivityPart, space: Space | None) -> str:
+    """The method that is asked for; without a word, the one that suits the parameters."""
+    dependent = space is not None and not space.independent
+    return "shapley" if dependent and "method" not in part.model_fields_set else part.method
 
 
 def _check_groups(

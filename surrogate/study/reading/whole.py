@@ -18,6 +18,7 @@ from surrogate.study.reading.data import (
     described,
     recorded_of,
     rows_of,
+    with_dependence,
 )
 from surrogate.study.reading.designs import designs_of, replicated
 from surrogate.study.reading.execution import check_execution
@@ -50,6 +51,8 @@ def fields_of(
     if solver:
         designs = replicated(notes, designs, solver)
     designs |= rows.designs if rows else {}
+    if rows and space and spec.recorded:
+        space = with_dependence(notes, space, rows)
     fields: dict[str, Any] = {
         "name": part.study,
         "about": part.about.strip(),

@@ -260,3 +260,55 @@ designs: {train: {method: sobol, runs: 4}}
     assert "3:18: distribution: fit needs a column of numbers 'X1' in data:" in mistakes_of(
         tmp_path, text
     )
+
+
+@pytest.fixture
+def cloud(tmp_path):
+    """60 rows in which width follows load; y depends on load alone."""
+    r = np.random.default_rng(0)
+    load = r.uniform(size=60)
+    width, free = load + 0.1 * r.normal(size=60), r.uniform(size=60)
+    y = 2 * load + free
+    rows = [",".join(f"{v:.6f}" for v in row) for row in zip(load, width, free, y, strict=True)]
+    (tmp_path / "t.csv").write_text("\n".join(["load,width,free,y", *rows]))
+    return tmp_path
+
+
+CLOUD = "study: t\ndata: t.csv\nsurrogates: {linear: linear}\nsensitivity: {surrogate: best}\n"
+
+
+def test_a_cloud_is_not_a_box(cloud):
+    """Shapley effects of dependent inputs: y = 2 load + free, width a copy of load with noise."""
+    study = study_of(cloud, CLOUD)
+    correlation = np.array(study.space.correlation)
+    assert correlation[0, 1] > 0.8 and correlation[0, 2] == correlation[1, 2] == 0.0
+    assert study.sensitivity_method.name == "shapley"
+    done = done_in(study, cloud / "r")
+    indices = done.summary["sensitivity"]
+    shapley = dict(
+        zip(indices["parameter"]["values"], indices["shapley"]["values"][0], strict=True)
+    )
+    closed = indices["closed_first_order"]["values"][0]
+    assert sum(shapley.values()) == pytest.approx(1.0, abs=1e-6)
+    assert shapley["width"] > 0.2 and shapley["load"] > shapley["width"]
+    assert closed[1] > 0.5
+    page = done.report.read_text()
+    assert "The runs are a cloud and not a box" in page and "corners without runs" in page
+
+
+def test_predictions_outside_of_the_cloud_are_marked(cloud):
+    study = study_of(cloud, CLOUD)
+    done_in(study, cloud / "r")
+    rows = [
+        predict(study, cloud / "r", None, [f"load={a}", f"width={b}", "free=0.5"], None).rows[0]
+        for a, b in ((0.5, 0.5), (0.1, 0.9), (0.5, 3.0))
+    ]
+    assert [row["inside"] for row in rows] == [True, True, False]
+    assert [row["extrapolated"] for row in rows] == [False, True, True]
+
+
+def test_dependence_can_be_set_aside(cloud):
+    study = study_of(cloud, CLOUD + "correlation: []\n")
+    assert study.space.independent and study.sensitivity_method.name == "sobol"
+    text = CLOUD.replace("{surrogate: best}", "{method: sobol}")
+    assert "4:23: method sobol needs independent parameters" in mistakes_of(cloud, text)
