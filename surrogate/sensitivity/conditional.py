@@ -143,7 +143,7 @@ class Pairs:
         outside = [j for j in range(self.space.size) if j not in redrawn]
         shift = R[np.ix_(inside, outside)] @ np.linalg.inv(R[np.ix_(outside, outside)])
         rest = R[np.ix_(inside, inside)] - shift @ R[np.ix_(outside, inside)]
-        root: Array = np.linalg.cholesky(rest)
+        root = np.asarray(np.linalg.cholesky(rest), dtype=float)
         return shift, root, inside, outside
 
     def _coded(self, scores: Array) -> Array:

@@ -177,7 +177,8 @@ class DaskRuns:
         from distributed.scheduler import KilledWorker
 
         try:
-            return future.result(timeout=CONNECT_SECONDS)  # type: ignore[no-any-return]
+            outcome: Outcome = future.result(timeout=CONNECT_SECONDS)
+            return outcome
         except (KilledWorker, CancelledError, TimeoutError, OSError):
             return _lost(sent)
         except PluginError:

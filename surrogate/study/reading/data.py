@@ -172,7 +172,8 @@ def _told(table: Table, found: Roles) -> list[str]:
 
 def recorded_of(reading: Reading, data: Data) -> SolverSpec:
     """The table in place of a solver."""
-    parameters, outputs = reading.part.parameters, reading.part.data.outputs  # type: ignore[union-attr]
+    parameters = reading.part.parameters
+    outputs = reading.part.data.outputs if reading.part.data else {}
     inputs = {}
     for name in data.roles.inputs:
         said = parameters[name].unit if name in parameters else None
