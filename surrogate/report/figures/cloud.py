@@ -52,7 +52,7 @@ def empty_corners(points: NDArray[np.float64]) -> Sequence[tuple[int, int]]:
     """Signs of the corners of the square that none of the points (run, 2) lies in."""
     return [
         signs
-        for signs in product((-1, 1), repeat=2)
+        for signs in product((-1, 1), (-1, 1))
         if not (points * signs > CORNER).all(axis=1).any()
     ]
 
