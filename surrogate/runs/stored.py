@@ -48,6 +48,11 @@ class StoredRuns:
         """Solver, version and options as canonical JSON (`SolverSpec.context`)."""
         return str(self.runs.attrs["identity"])
 
+    @property
+    def tabulated(self) -> bool:
+        """True when runs of it are rows of a table, which no solver can repeat."""
+        return "origin" in self.runs and bool((self.runs["origin"].values != "").any())
+
     @cached_property
     def run_inputs(self) -> list[RunInputs]:
         """What the solver was called with, for each run."""

@@ -151,9 +151,9 @@ class AskedRuns:
     ) -> None:
         """Do the runs that neither journal, nor neighbours, nor stored files have.
 
-        fresh: all of them, taking nothing over. The other words are those of `execute`. Of a
-        solver whose answers are told none is done; raises `StudyError` for `fresh` then. A table
-        has all runs that it can have.
+        fresh: all of them, taking nothing over but the rows of a table. The other words are
+        those of `execute`. Of a solver whose answers are told none is done; raises `StudyError`
+        for `fresh` then. A table in place of a solver has all runs that it can have.
         """
         if self.spec.recorded:
             return
@@ -179,7 +179,8 @@ class AskedRuns:
         }
         columns = physical_columns(self.space, self.points)
         if fresh:
-            execute_fresh(self.spec, columns, **how)
+            tables = self.matching(file for file in self.stored_runs if file.tabulated)
+            execute_fresh(self.spec, columns, **how, given=tables)
         else:
             execute(self.spec, columns, **how, others=self._neighbours(), given=self.given)
 

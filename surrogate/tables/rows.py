@@ -62,6 +62,12 @@ def used(
         if not inside.all():
             notes.append(f"outside of {_range(parameter)}: {left_out(table, ~inside)}")
         keep &= inside
+    if space.constraints and keep.any():
+        broken = keep.copy()
+        broken[keep] = ~space.contains(coded[keep])
+        if broken.any():
+            notes.append(f"against the constraints: {left_out(table, broken)}")
+        keep &= ~broken
     rows = np.flatnonzero(keep)
     return Used(rows, coded[rows], tuple(notes))
 

@@ -72,13 +72,16 @@ def data_of(reading: Reading, solver: Solver | None) -> Data | None:
         if mistakes:
             raise StudyError(*mistakes)
         found = _beside(table, part, solver) if solver else _alone(reading, table, part)
+        version = hashlib.sha256(path.read_bytes()).hexdigest()[:12]
+        data = Data(part.file, table, found, version)
+        if solver:
+            data.convert(solver)
     except StudyError as error:
         for one in error.placed:
             reading.wrong(one.sentence, "data", *(one.path or ("file",)), on_key=one.on_key)
         return None
-    version = hashlib.sha256(path.read_bytes()).hexdigest()[:12]
     reading.notes += [*table.notes, *_told(table, found)]
-    return Data(part.file, table, found, version)
+    return data
 
 
 @dataclass(frozen=True)

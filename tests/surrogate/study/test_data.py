@@ -1,6 +1,7 @@
 """A study of a table: no solver, the rows are its runs."""
 
 import re
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from made_up import table_of_beams
 
 from surrogate.cli import results
 from surrogate.errors import StudyError
+from surrogate.solver import Input, Output
 from surrogate.study.prediction import predict
 from surrogate.study.study import Study
 
@@ -312,3 +314,94 @@ def test_dependence_can_be_set_aside(cloud):
     assert study.space.independent and study.sensitivity_method.name == "sobol"
     text = CLOUD.replace("{surrogate: best}", "{method: sobol}")
     assert "4:23: method sobol needs independent parameters" in mistakes_of(cloud, text)
+
+
+def test_rows_against_the_constraints_are_left_out(tmp_path):
+    (tmp_path / "t.csv").write_text("a,b,y\n1,2,3\n2,2,4\n4,4,8\n1,4,5\n3,1,4\n")
+    study = study_of(tmp_path, 'study: t\ndata: t.csv\nconstraints: ["a + b <= 7"]\n')
+    assert study.designs["train"].runs == 4
+    assert any("against the constraints: row 4 of t.csv" in note for note in study.notes)
+
+
+class Counted:
+    """2 x + k, and how often it was asked."""
+
+    version = "1"
+    inputs = {
+        "x": Input(unit="mm", range=(0, 10)),
+        "k": Input(nominal=1.0),
+        "kind": Input(nominal="a", levels=("a", "b")),
+    }
+    outputs = {"y": Output(unit="MPa")}
+    asked: list[float] = []
+
+    def __call__(self, x, k, kind):
+        Counted.asked.append(x)
+        return {"y": 2 * x + k}
+
+
+BESIDE = f"""\
+study: beside
+solver: "{__name__}:Counted"
+data: rows.csv
+parameters: {{x: [0, 10]}}
+designs:
+  train: {{method: csv, path: points.csv}}
+surrogates: {{linear: linear}}
+"""
+
+
+@pytest.fixture
+def beside(tmp_path):
+    """Rows in other units, one of another kind, one at a point of the design."""
+    (tmp_path / "points.csv").write_text("x\n1\n2.5\n4\n")
+    (tmp_path / "rows.csv").write_text(
+        "test,x [cm],kind,y [kPa]\nA,0.25,a,6100\nB,0.7,a,15000\nC,0.8,b,18000\nD,0.9,a,\n"
+    )
+    Counted.asked.clear()
+    return tmp_path
+
+
+def carried_out(study, folder, **how):
+    with ThreadPoolExecutor(1) as executor:
+        return study.run(results=folder, executor=executor, **how)
+
+
+def test_rows_beside_a_solver_are_runs_that_are_done(beside):
+    """The row at x = 2.5 stands for the design's run there; the others are design `data`."""
+    study = study_of(beside, BESIDE)
+    runs = carried_out(study, beside / "r")
+    assert sorted(Counted.asked) == pytest.approx([1.0, 4.0])
+    assert runs["design"].values.tolist() == ["train"] * 3 + ["data"] * 3
+    np.testing.assert_allclose(runs["x"], [1, 2.5, 4, 2.5, 7, 9])
+    np.testing.assert_allclose(runs["y"], [3, 6.1, 9, 6.1, 15, np.nan])
+    assert runs["origin"].values.tolist() == [
+        "",
+        "rows.csv, row 2",
+        "",
+        "rows.csv, row 2",
+        "rows.csv, row 3",
+        "rows.csv, row 5",
+    ]
+    assert study.surrogates["linear"].train == ("train", "data")
+    assert any("kind is not a as in this study: row 4" in note for note in study.notes)
+    page = results.analyse(study, beside / "r", runs).report.read_text()
+    assert "rows.csv, row 3" in page and "read from rows.csv" in page
+
+
+def test_fresh_runs_do_not_repeat_rows(beside):
+    study = study_of(beside, BESIDE)
+    carried_out(study, beside / "r")
+    carried_out(study, beside / "r", fresh=True)
+    assert sorted(Counted.asked) == pytest.approx([1.0, 1.0, 4.0, 4.0])
+
+
+def test_mistakes_beside_a_solver(beside):
+    (beside / "rows.csv").write_text("x,y\n1,2\n1,3\n")
+    assert "3:7: rows 2 and 3 of rows.csv have the same inputs and other y" in mistakes_of(
+        beside, BESIDE
+    )
+    (beside / "rows.csv").write_text("z,y\n1,2\n2,3\n")
+    assert "no column of rows.csv has the name of an input" in mistakes_of(beside, BESIDE)
+    (beside / "rows.csv").write_text("x [N],y\n1,2\n2,3\n")
+    assert "3:7: unit 'N' does not convert to 'mm'" in mistakes_of(beside, BESIDE)
