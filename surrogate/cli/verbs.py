@@ -131,6 +131,37 @@ def run(
 
 
 @app.command()
+def work(
+    study: StudyFile,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Do failed and timed-out runs again.")
+    ] = False,
+) -> None:
+    """Do runs of a study side by side with other such workers, on any machine that has the folder.
+
+    They share the results folder and nothing else: start as many as you like, whenever and
+    wherever; each ends when all runs are done. Then `surrogate run` makes the report.
+    """
+    from surrogate.cli import results, terminal
+    from surrogate.cli.progress import RunsBar
+
+    loaded = _read(study)
+    folder = results.folder_of(loaded, results_dir)
+    with RunsBar(loaded.name) as bar:
+        loaded.run(
+            workers=workers,
+            results=folder,
+            executor=loaded.shared,
+            retry_failed=retry_failed,
+            progress=bar,
+        )
+    _show(terminal.status(loaded, folder), as_json)
+
+
+@app.command()
 def status(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
     """Count the runs that are done, failed and left; show the time left."""
     from surrogate.cli import results, terminal

@@ -77,13 +77,13 @@ def execute(
     `ResultsError` when the journal is in use or the disk full; `StudyError` for wrong
     arguments; `PluginError` when workers cannot build the solver.
     """
-    _check(workers, threads, timeout, retries, rerun, memory)
+    check(workers, threads, timeout, retries, rerun, memory)
     wanted, given = spec.wanted(outputs), given or StoredMatches()
     asked = run_inputs(spec, columns, constants)
     runs = dict(zip(keys(spec, asked), asked, strict=True))
     with Journal(journal) as book:
         known = KnownRuns(book.contents, given, wanted).records
-        missing = [key for key in runs if not _settled(known.get(key), wanted, timeout, rerun)]
+        missing = [key for key in runs if not settled(known.get(key), wanted, timeout, rerun)]
         missing = _adopt(book, missing, wanted, others)
         queue = deque(Task(key, runs[key]) for key in missing)
         if executor is None:
@@ -111,7 +111,7 @@ def _starter(executor: Executor | Start | None) -> Start:
     return partial(in_executor, executor) if isinstance(executor, Executor) else executor
 
 
-def _check(
+def check(
     workers: int | None,
     threads: int | None,
     timeout: float | None,
@@ -119,6 +119,7 @@ def _check(
     rerun: Iterable[str],
     memory: float | None,
 ) -> None:
+    """Raise `StudyError` with all mistakes in these arguments of `execute`."""
     mistakes = [
         f"{name}: {value} must be 1 or more"
         for name, value in (("workers", workers), ("threads", threads))
@@ -141,7 +142,7 @@ def _check(
         raise StudyError(*mistakes)
 
 
-def _settled(
+def settled(
     record: Record | None, wanted: Mapping[str, Output], timeout: float | None, rerun: Iterable[str]
 ) -> bool:
     """True when a run need not be done (again)."""

@@ -4,11 +4,15 @@
     journal/fields.bin     little-endian doubles of array outputs, end to end
     journal/lock           who writes now
     journal/damaged.jsonl  lines that were damaged, set aside when runs went on
+    journal/segments/      the same two files for each of the workers that share the folder
+
+The segments of workers (surrogate.runs.segment) are read with the rest. Of a run that stands in
+several files the later record counts, and one with an answer before one without.
 
 A run's arrays are written before its line, and its line counts only when it is
 complete, passes its checksum and the arrays pass theirs. So the process may be killed
 at any moment: what is torn is cut off at the next start and that run is done again.
-Both files reach the disk itself at most `SYNC_SECONDS` after a record.
+Both files reach the disk itself at most half a second after a record.
 """
 
 from __future__ import annotations
@@ -16,27 +20,27 @@ from __future__ import annotations
 import gc
 import mmap
 import os
-import time
+import re
 import zlib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from itertools import accumulate
 from math import prod
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.errors import ResultsError
-from surrogate.runs.appending import AppendedFile
 from surrogate.runs.lock import Lock
-from surrogate.runs.record import Record, from_line, to_line
+from surrogate.runs.record import Record, from_line
+from surrogate.runs.writing import RunsWriter, trouble
 
-SYNC_SECONDS = 0.5
 RECORDS, FIELDS, LOCK, DAMAGED = "runs.jsonl", "fields.bin", "lock", "damaged.jsonl"
+SEGMENTS = "segments"
+_FIELDS_OF_SEGMENT = re.compile(rf"{SEGMENTS}/[\w-]+\.bin")
 
 
 @dataclass(frozen=True)
@@ -46,31 +50,36 @@ class JournalContents:
     records  by key
     length   bytes of the file of records that count
     damaged  what is wrong with a line that is whole and no record: number (from 1) -> reason
+    damaged_segments  a sentence for each such line of a segment
     """
 
     records: dict[str, Record]
     folder: Path
     length: int = 0
     damaged: Mapping[int, str] = field(default_factory=dict)
+    damaged_segments: tuple[str, ...] = ()
 
     def values(self, record: Record, name: str) -> float | NDArray[np.float64]:
         """Output `name` of a record: a float, or an array of doubles read from the disk."""
         if name in record.outputs:
             return record.outputs[name]
         place = record.fields[name]
-        data = np.fromfile(
-            self.folder / FIELDS, dtype="<f8", count=prod(place["shape"]), offset=place["offset"]
-        )
+        path = self.folder / place.get("file", FIELDS)
+        data = np.fromfile(path, dtype="<f8", count=prod(place["shape"]), offset=place["offset"])
         return data.reshape(place["shape"])
 
     @property
     def told(self) -> list[str]:
         """A sentence for each damaged line."""
-        return [
-            f"{self.folder / RECORDS}, line {number}: the record is damaged ({reason}); "
-            "its run counts as not done"
-            for number, reason in self.damaged.items()
-        ]
+        own = _told(self.folder / RECORDS, self.damaged)
+        return [*own, *self.damaged_segments]
+
+
+def _told(path: Path, damaged: Mapping[int, str]) -> list[str]:
+    return [
+        f"{path}, line {number}: the record is damaged ({reason}); its run counts as not done"
+        for number, reason in damaged.items()
+    ]
 
 
 def read(folder: str | Path) -> JournalContents:
@@ -81,19 +90,41 @@ def read(folder: str | Path) -> JournalContents:
     there and cannot be read.
     """
     folder = Path(folder)
+    contents = _read_file(folder / RECORDS, folder)
+    told: list[str] = []
+    for path in sorted((folder / SEGMENTS).glob("*.jsonl")):
+        segment = _read_file(path, folder)
+        told += _told(path, segment.damaged)
+        for key, record in segment.records.items():
+            if _counts(record, contents.records.get(key)):
+                contents.records[key] = record
+    return replace(contents, damaged_segments=tuple(told))
+
+
+def _counts(record: Record, other: Record | None) -> bool:
+    """Whether a record goes before another one of the same run, from another file."""
+    if other is None:
+        return True
+    if (record.status == "ok") != (other.status == "ok"):
+        return record.status == "ok"
+    return record.finished > other.finished
+
+
+def _read_file(path: Path, folder: Path) -> JournalContents:
+    """The records of one file."""
     try:
-        data = (folder / RECORDS).read_bytes()
+        data = path.read_bytes()
     except FileNotFoundError:
         return JournalContents({}, folder)
     except (OSError, ValueError) as error:
         raise ResultsError(
-            f"{folder / RECORDS} cannot be read: {getattr(error, 'strerror', None) or error}; "
+            f"{path} cannot be read: {getattr(error, 'strerror', None) or error}; "
             "it is where finished runs are kept"
         ) from error
     length = data.rfind(b"\n") + 1
     records: dict[str, Record] = {}
     damaged: dict[int, str] = {}
-    with _without_collections(), _Fields(folder / FIELDS) as fields:
+    with _without_collections(), _Fields(folder) as fields:
         for number, line in enumerate(data[:length].split(b"\n"), start=1):
             if line and not line.isspace():  # blank: was damaged and is set aside
                 try:
@@ -119,27 +150,38 @@ def _without_collections() -> Iterator[None]:
 
 
 class _Fields:
-    """The file of arrays, mapped for checking."""
+    """The files of arrays, mapped for checking."""
 
-    def __init__(self, path: Path):
-        self.data: mmap.mmap | bytes = b""
-        with suppress(OSError, ValueError), open(path, "rb") as file:
-            self.data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.data: dict[str, mmap.mmap | bytes] = {}
 
     def __enter__(self) -> _Fields:
         return self
 
     def __exit__(self, *error: object) -> None:
-        if isinstance(self.data, mmap.mmap):
-            self.data.close()
+        for data in self.data.values():
+            if isinstance(data, mmap.mmap):
+                data.close()
+
+    def _mapped(self, name: str) -> mmap.mmap | bytes:
+        if name not in self.data:
+            self.data[name] = b""
+            with suppress(OSError, ValueError), open(self.folder / name, "rb") as file:
+                self.data[name] = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        return self.data[name]
 
     def check(self, record: Record) -> None:
         """Raise `ValueError` when an array is not there to its last byte, or changed."""
         for name, place in record.fields.items():
+            file = place.get("file", FIELDS)
+            if file != FIELDS and not _FIELDS_OF_SEGMENT.fullmatch(file):
+                raise ValueError(f"its array '{name}' is in no file of the journal")
+            data = self._mapped(file)
             end = place["offset"] + 8 * prod(place["shape"])
-            if end > len(self.data):
+            if end > len(data):
                 raise ValueError(f"its array '{name}' is cut off")
-            with memoryview(self.data) as view, view[place["offset"] : end] as part:
+            with memoryview(data) as view, view[place["offset"] : end] as part:
                 if zlib.crc32(part) != place["crc"]:
                     raise ValueError(f"the checksum of its array '{name}' does not match")
 
@@ -154,7 +196,6 @@ class Journal:
     def __init__(self, folder: str | Path):
         self.folder = Path(folder)
         self.contents = JournalContents({}, self.folder)
-        self._unsynced_since: float | None = None
 
     @property
     def records(self) -> dict[str, Record]:
@@ -166,16 +207,15 @@ class Journal:
             self.folder.mkdir(parents=True, exist_ok=True)
             self._lock = Lock(self.folder / LOCK)
         except (OSError, ValueError) as error:
-            raise _trouble(self.folder, error) from error
+            raise trouble(self.folder, error) from error
         try:
             self.contents = read(self.folder)
             _set_aside(self.contents)
-            self._records = AppendedFile(self.folder / RECORDS, cut=self.contents.length)
-            self._fields = AppendedFile(self.folder / FIELDS)
+            self._writer = RunsWriter(self.folder, RECORDS, FIELDS, cut=self.contents.length)
         except BaseException as error:
             self._lock.release()
             if isinstance(error, OSError):
-                raise _trouble(self.folder, error) from error
+                raise trouble(self.folder, error) from error
             raise
         return self
 
@@ -186,11 +226,8 @@ class Journal:
         trace: TracebackType | None,
     ) -> None:
         try:
-            with suppress(ResultsError) if error else nullcontext():
-                self.flush()
+            self._writer.close(quietly=error is not None)
         finally:
-            self._records.close()
-            self._fields.close()
             self._lock.release()
 
     def append(
@@ -201,15 +238,7 @@ class Journal:
         Raises `ResultsError` when the disk takes no more, or the journal was deleted or is
         written by another process; what was there before stays whole.
         """
-        try:
-            places = {name: self._write_field(array) for name, array in (fields or {}).items()}
-            record = replace(record, fields={**record.fields, **places})
-            self._records.write(to_line(record))
-        except OSError as error:
-            raise _trouble(self.folder, error) from error
-        self.records[record.key] = record
-        if self._unsynced_since is None:
-            self._unsynced_since = time.monotonic()
+        self.records[record.key] = self._writer.append(record, fields or {})
         self.sync()
 
     def adopt(self, record: Record, other: JournalContents) -> None:
@@ -217,31 +246,13 @@ class Journal:
         fields = {name: np.asarray(other.values(record, name)) for name in record.fields}
         self.append(replace(record, fields={}), fields)
 
-    def _write_field(self, array: NDArray[np.float64]) -> dict[str, Any]:
-        data = np.asarray(array, dtype="<f8").tobytes()
-        offset = self._fields.write(data)
-        return {"offset": offset, "shape": list(np.shape(array)), "crc": zlib.crc32(data)}
-
     def sync(self) -> None:
         """See that journal and lock are still there; force old appends onto the disk."""
+        self._writer.sync()
         try:
-            self._records.check()
-            self._fields.check()
             self._lock.check()
         except OSError as error:
-            raise _trouble(self.folder, error) from error
-        since = self._unsynced_since
-        if since is not None and time.monotonic() - since >= SYNC_SECONDS:
-            self.flush()
-
-    def flush(self) -> None:
-        """Force all appends onto the disk."""
-        try:
-            self._fields.sync()
-            self._records.sync()
-        except OSError as error:
-            raise _trouble(self.folder, error) from error
-        self._unsynced_since = None
+            raise trouble(self.folder, error) from error
 
 
 def _set_aside(contents: JournalContents) -> None:
@@ -259,10 +270,3 @@ def _set_aside(contents: JournalContents) -> None:
         for number in contents.damaged:
             file.seek(starts[number - 1])
             file.write(b" " * len(lines[number - 1]))
-
-
-def _trouble(folder: Path, error: OSError | ValueError) -> ResultsError:
-    return ResultsError(
-        f"cannot write to {folder}: {getattr(error, 'strerror', None) or error}; the runs "
-        "finished so far are kept. Make room or choose another folder, then run again"
-    )

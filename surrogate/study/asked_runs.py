@@ -14,11 +14,13 @@ import numpy as np
 import xarray as xr
 
 from surrogate.designs.design import Design
-from surrogate.errors import StudyError
+from surrogate.errors import ResultsError, StudyError
 from surrogate.execution.backend import Start
 from surrogate.execution.execute import execute
 from surrogate.execution.fresh import execute_fresh
 from surrogate.execution.progress import Progress
+from surrogate.execution.shared.claims import at_work
+from surrogate.execution.shared.work import Shared, work
 from surrogate.runs import stored as storing
 from surrogate.runs.assembly import assemble, physical_columns
 from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
@@ -144,7 +146,7 @@ class AskedRuns:
         execution: ExecutionPart,
         *,
         workers: int | None,
-        executor: Executor | Start | None,
+        executor: Executor | Start | Shared | None,
         rerun: tuple[str, ...],
         fresh: bool,
         progress: Callable[[Progress], None] | None,
@@ -173,16 +175,27 @@ class AskedRuns:
             "timeout": execution.timeout,
             "memory": execution.memory,
             "retries": execution.retries,
-            "executor": executor,
             "progress": progress,
             "rerun": rerun,
         }
         columns = physical_columns(self.space, self.points)
+        taken: dict[str, Any] = {"others": self._neighbours(), "given": self.given}
+        if isinstance(executor, Shared):
+            if fresh:
+                raise StudyError("--fresh is for one worker; choose executor: local for it")
+            work(self.spec, columns, **how, **taken, lease=executor.lease)
+            return
+        busy = at_work(self.journal)
+        if busy:
+            raise ResultsError(
+                f"{len(busy)} workers share {self.folder} ({', '.join(busy[:3])}); join them with "
+                "`surrogate work`, or wait until they are done"
+            )
         if fresh:
             tables = self.matching(file for file in self.stored_runs if file.tabulated)
-            execute_fresh(self.spec, columns, **how, given=tables)
+            execute_fresh(self.spec, columns, **how, given=tables, executor=executor)
         else:
-            execute(self.spec, columns, **how, others=self._neighbours(), given=self.given)
+            execute(self.spec, columns, **how, **taken, executor=executor)
 
     def _neighbours(self) -> list[Path]:
         """Journals of other studies beside this one's results."""

@@ -16,6 +16,7 @@ from surrogate.designs.aliasing import Aliasing
 from surrogate.designs.design import Design
 from surrogate.execution.backend import cores
 from surrogate.execution.progress import Progress
+from surrogate.execution.shared.work import Shared
 from surrogate.fitting.comparison import best
 from surrogate.fitting.fit import Fit
 from surrogate.runs.assembly import physical_columns
@@ -103,6 +104,12 @@ class Study:
     def place(self) -> Path:
         """Where the study file lies; the current folder for a study without a file."""
         return Path(self.source.name).parent
+
+    @property
+    def shared(self) -> Shared:
+        """How its runs are shared through the results folder."""
+        found = reading.starter(self.execution, self._beside)
+        return found if isinstance(found, Shared) else Shared()
 
     @property
     def _beside(self) -> Path | None:
@@ -225,7 +232,7 @@ class Study:
         *,
         workers: int | None = None,
         results: Path | None = None,
-        executor: Executor | None = None,
+        executor: Executor | Shared | None = None,
         retry_failed: bool = False,
         fresh: bool = False,
         progress: Callable[[Progress], None] | None = None,
@@ -233,7 +240,8 @@ class Study:
         """Do the runs that neither the journal nor a stored file has; returns the runs dataset.
 
         Runs of other studies in the same results folder are taken over where they are the
-        same. executor: any concurrent.futures executor in place of local processes.
+        same. executor: any concurrent.futures executor in place of the study's, or `Shared` to
+        share the runs with other processes through the results folder.
         retry_failed: do failed and timed-out runs again. fresh: do every run again and take
         nothing over; old records count until all is done, and an interrupted call is resumed
         by repeating it.

@@ -9,6 +9,7 @@ from typing import Any
 from surrogate.errors import StudyError
 from surrogate.execution.backend import Start
 from surrogate.execution.executors.futures import factory
+from surrogate.execution.shared.work import Shared
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
@@ -40,11 +41,13 @@ def check_execution(reading: Reading) -> None:
         )
 
 
-def starter(part: ExecutionPart, folder: Path | None) -> Start | None:
+def starter(part: ExecutionPart, folder: Path | None) -> Start | Shared | None:
     """What makes the backend of the runs; None for local processes."""
     if part.executor == "local":
         return None
     found = _found(part, folder)
+    if found is Shared:
+        return Shared(**part.options)
     if ":" in part.executor:
         return partial(factory, partial(found, **part.options), part.executor)
     return partial(found, **part.options)

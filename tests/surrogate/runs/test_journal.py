@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from surrogate.errors import ResultsError
-from surrogate.runs import journal
+from surrogate.runs import journal, writing
 from surrogate.runs.journal import Journal, read
 from surrogate.runs.record import Record
 from surrogate.solver import Output
@@ -213,8 +213,8 @@ def test_reaches_the_disk_within_a_second_but_not_at_each_run(tmp_path, monkeypa
             book.append(record(f"k{i}"), {"field": np.zeros(3)})
             now[0] += 0.03
         assert len(synced) == 2 * 5
-        assert synced[0] == book._fields.file and synced[1] == book._records.file
-        now[0] += journal.SYNC_SECONDS
+        assert synced[0] == book._writer._fields.file and synced[1] == book._writer._records.file
+        now[0] += writing.SYNC_SECONDS
         book.sync()
         assert len(synced) == 2 * 6
         book.sync()
