@@ -41,7 +41,8 @@ def owned_folder() -> Iterator[Path]:
 def _create() -> tuple[Path, Lock]:
     while True:
         folder = Path(tempfile.mkdtemp(prefix=PREFIX))
-        with suppress(ResultsError):  # another start took it for abandoned, a moment ago
+        # Another start may take it for abandoned, and remove it, before it is locked.
+        with suppress(ResultsError, FileNotFoundError):
             return folder, Lock(folder / LOCK)
 
 

@@ -13,6 +13,7 @@ import secrets
 import time
 from collections import deque
 from collections.abc import Generator, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Protocol
@@ -96,17 +97,15 @@ class DaskRuns:
     def results(self, queue: deque[Task], stop: Stop) -> Generator[Event, None, None]:
         """As `Backend.results`; `SurrogateError` when scheduler or workers stay away."""
         self._content, self._session = packed(self.settings), secrets.token_hex(4)
-        level = logging.getLogger("distributed").level
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
-        try:
-            client = self._connected()
+        with _dask_silenced():
             try:
-                yield from self._results(client, queue, stop)
+                client = self._connected()
+                try:
+                    yield from self._results(client, queue, stop)
+                finally:
+                    self._leave(client)
             finally:
-                self._leave(client)
-        finally:
-            self.source.close()
-            logging.getLogger("distributed").setLevel(level)
+                self.source.close()
 
     def _connected(self) -> Client:
         from distributed import Client
@@ -235,6 +234,26 @@ class DaskRuns:
             pass
         finally:
             client.close(timeout=5)
+
+
+@contextmanager
+def _dask_silenced() -> Iterator[None]:
+    """What dask would print about lost workers and schedulers is said in sentences here."""
+    import distributed  # noqa: F401  # makes its loggers
+
+    loggers = [
+        one
+        for name, one in logging.root.manager.loggerDict.items()
+        if name.startswith("distributed") and isinstance(one, logging.Logger)
+    ]
+    levels = [one.level for one in loggers]
+    for one in loggers:
+        one.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for one, level in zip(loggers, levels, strict=True):
+            one.setLevel(level)
 
 
 def _lost(sent: Sent) -> Outcome:
