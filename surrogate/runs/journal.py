@@ -246,9 +246,9 @@ class Journal:
         fields = {name: np.asarray(other.values(record, name)) for name in record.fields}
         self.append(replace(record, fields={}), fields)
 
-    def sync(self) -> None:
-        """See that journal and lock are still there; force old appends onto the disk."""
-        self._writer.sync()
+    def sync(self, now: bool = False) -> None:
+        """See that journal and lock are still there; force old appends, or all, onto the disk."""
+        self._writer.sync(now)
         try:
             self._lock.check()
         except OSError as error:

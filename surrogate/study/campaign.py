@@ -148,7 +148,7 @@ class Campaign:
         for record, fields in told.values():
             self._journal.append(record, fields)
             self._open.pop(record.key, None)
-        self._journal.flush()
+        self._journal.sync(now=True)
 
     def runs(self) -> xr.Dataset:
         """The runs dataset as far as answers go; the rest is 'missing'."""
