@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import distance
 
 from surrogate.space.space import Space
 
@@ -18,8 +19,8 @@ Coded = NDArray[np.float64]
 
 #: Candidates for each point, at least and at most so many, and candidates times points.
 CANDIDATES, FEWEST, MOST, LARGEST_WORK = 40, 2_000, 200_000, 2e8
-#: Exchanges for each point.
-EXCHANGES = 4
+#: Exchanges for each point; designs with a larger table of distances are left as they are.
+EXCHANGES, LARGEST_TABLE = 4, 4_000_000
 
 
 def scattered(space: Space, runs: int, rng: np.random.Generator, effort: float = 1.0) -> Coded:
@@ -44,24 +45,24 @@ def _farthest(places: Coded, runs: int) -> NDArray[np.intp]:
 
 def _exchanged(places: Coded, taken: NDArray[np.intp], exchanges: int) -> NDArray[np.intp]:
     """The same after exchanges that make the smallest distance larger."""
-    if len(taken) < 3 or len(taken) > 2_000:
+    if len(taken) < 3 or len(taken) * len(places) > LARGEST_TABLE:
         return taken
+    table = distance.cdist(places, places[taken], "sqeuclidean")
     for _ in range(exchanges):
-        points = places[taken]
-        apart = _squared(points[:, None], points[None])
+        apart = table[taken]
         np.fill_diagonal(apart, np.inf)
-        first, second = np.unravel_index(int(apart.argmin()), apart.shape)
-        before = float(apart[first, second])
-        gains = []
-        for leaving in (int(first), int(second)):
-            rest = np.delete(points, leaving, axis=0)
-            nearest = np.min([_squared(places, point) for point in rest], axis=0)
-            entering = int(nearest.argmax())
-            gains.append((float(nearest[entering]), leaving, entering))
-        distance, leaving, entering = max(gains)
-        if distance <= before * (1.0 + 1e-9):
+        pair = np.unravel_index(int(apart.argmin()), apart.shape)
+        nearest, second = np.partition(table, 1, axis=1)[:, :2].T
+        moves = []
+        for leaving in map(int, pair):
+            without = np.where(table[:, leaving] <= nearest, second, nearest)
+            entering = int(without.argmax())
+            moves.append((float(without[entering]), leaving, entering))
+        reached, leaving, entering = max(moves)
+        if reached <= float(apart[pair]) * (1.0 + 1e-9):
             break
         taken[leaving] = entering
+        table[:, leaving] = _squared(places, places[entering])
     return taken
 
 
