@@ -31,7 +31,7 @@ def reduced_study(
         data.pop(word, None)
     _forget(data, frozen)
     note = (
-        f"# {name} with {', '.join(frozen)} frozen: the total index of each is\n"
+        f"# {name} with {', '.join(frozen)} frozen: the {screening.index} of each is\n"
         f"# surely below {screening.freeze_below:g}. Keep this file beside the study it came\n"
         "# from when the solver reads files or modules from there.\n\n"
     )
