@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Container, Mapping
 from typing import Any
 
@@ -27,6 +28,8 @@ def reduced_study(
         data["constants"] = {**data.get("constants", {}), **frozen}
     else:
         data["data"] = _without(data["data"], frozen)
+        if kept := _without_names(data.pop("constraints", ()), frozen):
+            data["constraints"] = kept
     for word in ("stored", "validation"):  # files beside the study, about other runs
         data.pop(word, None)
     _forget(data, frozen)
@@ -44,6 +47,12 @@ def _without(table: Any, frozen: Mapping[str, Any]) -> dict[str, Any]:
     left_out = part.get("leave_out", [])
     named = [left_out] if isinstance(left_out, str) else list(left_out)
     return {**part, "leave_out": [*named, *frozen]}
+
+
+def _without_names(constraints: Any, frozen: Mapping[str, Any]) -> list[str]:
+    """The constraints of a table that name none of the columns left out."""
+    texts = [constraints] if isinstance(constraints, str) else list(constraints)
+    return [one for one in texts if not set(re.findall(r"\w+", one)) & set(frozen)]
 
 
 def _forget(data: dict[str, Any], frozen: Container[str]) -> None:
