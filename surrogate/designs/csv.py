@@ -66,6 +66,7 @@ def csv(
             ]
         )
     if not mistakes and space.region is not None:
+        rows = space.region.completed(np.array(rows)).tolist()
         mistakes += [
             f"{file}:{at[i]}: the point breaks constraint '{text}'; change the point or the "
             "constraint"

@@ -33,6 +33,8 @@ SMALLEST = 1e-6
 FIRST, TRIED, BATCH, STARTS = 2**14, 2**22, 2**17, 1024
 #: With a smaller share than this points walk. Steps of a walk for each parameter.
 WALKED, STEPS = 2e-3, 15
+#: Share of its range by which a printed value may miss an equality.
+PRINTED = 2e-3
 #: Tries to stay inside on one line before a walk keeps its place.
 SHRINKS = 40
 
@@ -87,6 +89,19 @@ class Region:
         kept: Truth = np.asarray((np.abs(coded) <= 1.0).all(axis=1))
         kept[kept] = self.holds(coded[kept])
         return coded, kept
+
+    def completed(self, coded: Numbers) -> Numbers:
+        """Points of printed digits with their equalities made exact, (run, parameter).
+
+        A dependent parameter moves by at most `PRINTED` of its range: 0.333 three times is 1.
+        """
+        if not self.equalities:
+            return coded
+        solved = self.equalities.solve(coded)
+        near = (np.abs(solved - coded).max(axis=1) <= 2.0 * PRINTED) & (
+            np.abs(solved).max(axis=1) <= 1.0 + 2.0 * PRINTED
+        )
+        return np.where(near[:, None], np.clip(solved, -1.0, 1.0), coded)
 
     def points(self, u: Numbers) -> tuple[Numbers, Truth]:
         """Coded points of uniform numbers (run, parameter), and which of them are inside."""

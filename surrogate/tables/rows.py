@@ -64,7 +64,8 @@ def used(
         keep &= inside
     if space.constraints and keep.any():
         broken = keep.copy()
-        broken[keep] = ~space.contains(coded[keep])
+        given = coded[keep] if space.region is None else space.region.completed(coded[keep])
+        broken[keep] = ~space.contains(given)
         if broken.any():
             notes.append(f"against the constraints: {left_out(table, broken)}")
         keep &= ~broken

@@ -131,3 +131,13 @@ def test_rows_of_a_file_that_break_a_constraint_are_told(tmp_path):
     (tmp_path / "points.csv").write_text("a,b\n0.1,0.2\n0.5,0.4\n0.6,0.1\n")
     with pytest.raises(DesignError, match=r"points.csv:3: the point breaks .*\n.*csv:4: the point"):
         csv(SPACES["triangle"], path="points.csv", folder=tmp_path)
+
+
+def test_printed_digits_of_a_mixture_are_forgiven(tmp_path):
+    (tmp_path / "points.csv").write_text("a,b,c\n0.333,0.333,0.333\n0.5,0.5,0\n")
+    coded = csv(SPACES["mixture"], path="points.csv", folder=tmp_path)
+    assert SPACES["mixture"].contains(coded).all()
+    assert coded == pytest.approx(2.0 * np.array([[1 / 3] * 3, [0.5, 0.5, 0.0]]) - 1.0, abs=3e-3)
+    (tmp_path / "points.csv").write_text("a,b,c\n0.3,0.3,0.3\n")
+    with pytest.raises(DesignError, match="csv:2: the point breaks"):
+        csv(SPACES["mixture"], path="points.csv", folder=tmp_path)
