@@ -31,8 +31,10 @@ from surrogate.stages import report as reporting
 from surrogate.stages import sensitivity as analysing
 from surrogate.stages.aliasing import aliases, aliasing
 from surrogate.stages.comparison import comparison
+from surrogate.stages.failures import failures
 from surrogate.stages.fits import Fits, Surrogate
 from surrogate.stages.regression import regression
+from surrogate.stages.replicates import replicates
 from surrogate.stages.screening import ScreeningRule, nominal_values, screening
 from surrogate.stages.sensitivity import SensitivityMethod
 from surrogate.stages.validation import validation
@@ -393,6 +395,8 @@ class Study:
             screening=screening,
             validation=validation,
             aliasing=aliasing(self.space, self.unsearched, runs),
+            failures=failures(self.space, runs),
+            replicates=replicates(self.outputs, self.spec.deterministic, runs),
             reduced_study=reduced,
             not_done=not_done,
         )

@@ -112,7 +112,7 @@ def _outputs(content: Content) -> Table:
 def _correlation(content: Content) -> list[Block]:
     """Which parameters depend on each other; for a table, what its cloud leaves empty."""
     found = correlated_pairs(content.space)
-    pairs = [f"{one} and {other} ({digits.fixed(c, 2)})" for one, other, c in found]
+    pairs = [f"{other} and {one} ({digits.fixed(c, 2)})" for one, other, c in found]
     words = f"The parameters are correlated (Gaussian copula): {digits.listing(pairs)}."
     if not content.recorded:
         return [Text(words, "note")]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -80,7 +80,7 @@ def data_of(reading: Reading, solver: Solver | None) -> Data | None:
         for one in error.placed:
             reading.wrong(one.sentence, "data", *(one.path or ("file",)), on_key=one.on_key)
         return None
-    reading.notes += [*table.notes, *_told(table, found)]
+    reading.notes += [*table.notes, *_told(table, found, part.leave_out)]
     return data
 
 
@@ -164,9 +164,11 @@ def _beside(table: Table, part: DataPart, solver: Solver) -> Roles:
     return Roles(tuple(inputs), tuple(outputs), split, why, guessed=False)
 
 
-def _told(table: Table, found: Roles) -> list[str]:
+def _told(table: Table, found: Roles, leave_out: Collection[str]) -> list[str]:
     told = [
-        f"{table.file}: column '{name}' {why}; left out" for name, why in found.left_out.items()
+        f"{table.file}: column '{name}' {why}; left out"
+        for name, why in found.left_out.items()
+        if name not in leave_out
     ]
     if found.guessed:
         told.append(f"{table.file}: outputs are guessed: {', '.join(found.outputs)}")
