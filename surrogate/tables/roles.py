@@ -83,8 +83,9 @@ def _useless(one: Column, rows: int) -> str:
         return "holds dates"
     if not one.varies:
         return "does not vary"
-    counts_up = one.kind == "integer" and np.all(np.diff(one.values) == 1)
-    if one.title.strip().lower() in ROW_TITLES and (counts_up or not one.numeric):
+    counts = one.kind == "integer" and bool(np.all(np.diff(one.values) == 1))
+    named = one.title.strip().lower() in ROW_TITLES
+    if (named and (counts or not one.numeric)) or (counts and one.values[0] in (0, 1)):
         return "numbers the rows"
     if one.kind == "category" and len(set(one.values)) > max(2, MANY_LEVELS * rows):
         return "names the rows"

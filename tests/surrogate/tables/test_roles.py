@@ -36,3 +36,9 @@ def test_names_of_outputs(tmp_path):
 def test_nothing_left_is_a_sentence(tmp_path):
     with pytest.raises(StudyError, match="'a' does not vary"):
         guess(tmp_path, "a,b\n1,2\n1,3\n")
+
+
+def test_a_column_that_counts_the_rows_is_no_input(tmp_path):
+    """Whatever it is called, 1, 2, 3 ... tells nothing of the output."""
+    found = guess(tmp_path, "Versuch,a,y\n1,4,3\n2,4.5,7\n3,6,8\n")
+    assert found.inputs == ("a",) and found.left_out == {"Versuch": "numbers the rows"}
