@@ -145,12 +145,10 @@ def _tail(study: Study) -> Iterator[str]:
         why = "" if needed <= points else f"   # needs {needed} different points"
         yield f"  {mark}{name}: {method}{why}"
     yield ""
-    if study.space.independent:
-        yield "sensitivity: {method: sobol, surrogate: best, confidence: 0.95}"
-        if study.space.size > 1:
-            yield "screening: {freeze_below: 0.02}   # inputs with a smaller effect may be left out"
-    else:
-        yield "sensitivity: {method: shapley, surrogate: best}   # the inputs are correlated"
+    yield "# Sobol' indices; of correlated inputs Shapley effects"
+    yield "sensitivity: {surrogate: best, confidence: 0.95}"
+    if study.space.size > 1:
+        yield "screening: {freeze_below: 0.02}   # inputs with a smaller effect may be left out"
 
 
 def _number(value: float) -> str:
