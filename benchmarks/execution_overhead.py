@@ -4,8 +4,9 @@
 
 A solver that computes for one millisecond is run 10 000 times, each way in a fresh
 process. Overhead = CPU time of parent and workers, starting included, less the
-solver's own. `execute` keeps every run in its journal on disk, may kill a hung run
-and survives a crash; the others hand back values only. About five minutes.
+solver's own. `local`, `work` and `dask` are this package's: they keep every run on disk, may
+kill a hung run and survive a crash; `work` shares a folder, `dask` runs the solver in a child
+of each dask worker. The others hand back values only. About ten minutes.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import sys
 import tempfile
 import time
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 
 import numpy as np
 
@@ -62,6 +64,37 @@ def with_execute(points, milliseconds, workers) -> None:
     assert (tally.done, tally.failed) == (len(points), 0)
 
 
+def with_work(points, milliseconds, workers) -> None:
+    from surrogate.execution.shared.work import work
+
+    spec = SolverSpec("busy", Busy, {"milliseconds": milliseconds})
+    columns = {"x": points[:, 0], "y": points[:, 1]}
+    with tempfile.TemporaryDirectory(dir=".") as folder:
+        tally = work(spec, columns, journal=folder, workers=workers, timeout=60)
+    assert (tally.done, tally.failed) == (len(points), 0)
+
+
+def with_dask(points, milliseconds, workers) -> None:
+    from surrogate.execution.executors.dask import dask
+
+    spec = SolverSpec("busy", Busy, {"milliseconds": milliseconds})
+    columns = {"x": points[:, 0], "y": points[:, 1]}
+    with tempfile.TemporaryDirectory(dir=".") as folder:
+        executor = partial(dask, workers=workers)
+        tally = execute(spec, columns, journal=folder, executor=executor, timeout=60)
+    assert (tally.done, tally.failed) == (len(points), 0)
+
+
+def with_plain_dask(points, milliseconds, workers) -> None:
+    from distributed import Client, LocalCluster
+
+    rows = [(x, y, milliseconds) for x, y in points.tolist()]
+    options = {"threads_per_worker": 1, "dashboard_address": ":0", "silence_logs": 50}
+    with LocalCluster(n_workers=workers, **options) as cluster, Client(cluster) as client:
+        for future in [client.submit(call, row, pure=False) for row in rows]:
+            future.result()
+
+
 def with_futures(points, milliseconds, workers) -> None:
     rows = [(x, y, milliseconds) for x, y in points.tolist()]
     with ProcessPoolExecutor(workers) as executor:
@@ -87,11 +120,17 @@ def with_pebble(points, milliseconds, workers) -> None:
 
 
 WAYS = {
-    "execute": with_execute,
+    "local": with_execute,
+    "work": with_work,
+    "dask": with_dask,
+    "plain dask": with_plain_dask,
     "ProcessPoolExecutor": with_futures,
     "joblib": with_joblib,
     "pebble": with_pebble,
 }
+
+#: Ways that need no further package.
+ALWAYS = ("local", "work", "ProcessPoolExecutor")
 
 
 def measure(way: str, runs: int, milliseconds: float, workers: int) -> None:
@@ -126,7 +165,8 @@ def main() -> None:
     print(f"{'':22}{'workers':>8}{'parent':>9}{'workers':>9}{'sum':>9}{'wall s':>9}")
     for workers in (1, 2):
         for way in WAYS:
-            if way in ("pebble", "joblib") and importlib.util.find_spec(way) is None:
+            package = {"dask": "distributed", "plain dask": "distributed"}.get(way, way)
+            if way not in ALWAYS and importlib.util.find_spec(package) is None:
                 continue
             if way == "joblib" and workers == 1:
                 continue

@@ -20,15 +20,18 @@ from rich.progress import (
 from surrogate.execution.progress import Progress as Tally
 from surrogate.stages.stage import Step
 
+#: Seconds between two lines where there is no terminal.
+A_LINE = 60.0
+
 
 class RunsBar:
-    """Shows a `Tally` after each run: a bar on a terminal, a line now and then elsewhere.
+    """Shows a `Tally` after each run: a bar on a terminal, else a line a minute and a tenth.
 
     Use as `with RunsBar(name) as bar: execute(..., progress=bar)`.
     """
 
-    def __init__(self, name: str):
-        self.console = Console(stderr=True)
+    def __init__(self, name: str, clock: Callable[[], float] = time.monotonic):
+        self.console, self.clock, self.said = Console(stderr=True), clock, clock()
         self.bar = Progress(
             TextColumn(name),
             BarColumn(),
@@ -62,13 +65,10 @@ class RunsBar:
                 highlight=False,
             )
         tenth = 10 * tally.done // max(tally.total, 1)
-        if self.bar.disable and tenth != self.tenth:
-            self.tenth = tenth
+        due = self.clock() - self.said >= A_LINE and tally.done < tally.total
+        if self.bar.disable and (tenth != self.tenth or due):
+            self.tenth, self.said = tenth, self.clock()
             print(f"{tally.done}/{tally.total} runs {_note(tally)}".rstrip(), file=sys.stderr)
-
-
-#: Seconds between two lines about the stages where there is no terminal.
-A_LINE = 60.0
 
 
 class StagesBar:

@@ -68,7 +68,7 @@ def do_runs(
     folder: Path,
     *,
     workers: int | None = None,
-    retry_failed: bool = False,
+    retry_failed: bool | tuple[str, ...] = False,
     fresh: bool = False,
     progress: Callable[[Progress], None] | None = None,
 ) -> xr.Dataset:

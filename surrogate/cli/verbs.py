@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
+from surrogate.cli.retrying import RetryingCommand, chosen
 from surrogate.errors import DesignError, PluginError, StudyError, SurrogateError
 
 if TYPE_CHECKING:
@@ -51,6 +52,14 @@ Results = Annotated[
     Path | None,
     typer.Option(
         "--results", metavar="DIR", help="Results go to DIR/<study>; default: results/<study>."
+    ),
+]
+RetryFailed = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--retry-failed",
+        metavar="[WHICH]",
+        help="Do failed and timed-out runs again; WHICH: failed, timed_out or 'message~text'.",
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for scripts.")]
@@ -95,15 +104,13 @@ def check(study: StudyFile, results_dir: Results = None, as_json: AsJson = False
     _show(terminal.check(loaded, results.folder_of(loaded, results_dir)), as_json)
 
 
-@app.command()
+@app.command(cls=RetryingCommand)
 def run(
     study: StudyFile,
     results_dir: Results = None,
     as_json: AsJson = False,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
-    retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="Do failed and timed-out runs again.")
-    ] = False,
+    retry_failed: RetryFailed = None,
     fresh: Annotated[
         bool, typer.Option("--fresh", help="Do every run again, earlier and stored runs included.")
     ] = False,
@@ -121,7 +128,7 @@ def run(
             loaded,
             folder,
             workers=workers,
-            retry_failed=retry_failed,
+            retry_failed=chosen(retry_failed),
             fresh=fresh,
             progress=bar,
         )
@@ -130,15 +137,13 @@ def run(
     _finish(loaded, outcome, as_json)
 
 
-@app.command()
+@app.command(cls=RetryingCommand)
 def work(
     study: StudyFile,
     results_dir: Results = None,
     as_json: AsJson = False,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
-    retry_failed: Annotated[
-        bool, typer.Option("--retry-failed", help="Do failed and timed-out runs again.")
-    ] = False,
+    retry_failed: RetryFailed = None,
 ) -> None:
     """Do runs of a study side by side with other such workers, on any machine that has the folder.
 
@@ -155,18 +160,28 @@ def work(
             workers=workers,
             results=folder,
             executor=loaded.shared,
-            retry_failed=retry_failed,
+            retry_failed=chosen(retry_failed),
             progress=bar,
         )
     _show(terminal.status(loaded, folder), as_json)
 
 
 @app.command()
-def status(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
+def status(
+    study: StudyFile,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Again until all are done.")] = False,
+) -> None:
     """Count the runs that are done, failed and left; show the time left."""
     from surrogate.cli import results, terminal
 
     loaded = _read(study)
+    if watch:
+        from surrogate.cli.watching import watch as keep_showing
+
+        keep_showing(loaded, results.folder_of(loaded, results_dir))
+        return
     _show(terminal.status(loaded, results.folder_of(loaded, results_dir)), as_json)
 
 

@@ -23,6 +23,8 @@ from surrogate.execution.executors.local import local
 from surrogate.execution.handle import Task
 from surrogate.execution.memory import KNOWN
 from surrogate.execution.progress import Progress, Tally
+from surrogate.execution.rerun import is_asked
+from surrogate.execution.rerun import mistakes as wrong_reruns
 from surrogate.execution.stopping import Stop, stop_on_signals
 from surrogate.runs.identity import SolverSpec, keys, run_inputs
 from surrogate.runs.journal import Journal, read
@@ -61,7 +63,7 @@ def execute(
     retries    more attempts for a run that crashed, hung or raised, at least `LOST_AGAIN` for
                one that the machine lost. An answer of a deterministic solver, `SolverError`
                included, is not asked for again
-    rerun      statuses of earlier runs to do again: "failed", "timed_out". Runs that the
+    rerun      earlier runs to do again: "failed", "timed_out", "message~text". Runs that the
                machine lost, or that timed out under a shorter limit than today's, are done
                again in any case
     others     folders of other studies' journals; their good runs are copied, not repeated
@@ -133,11 +135,7 @@ def check(
         mistakes.append("memory: only Linux tells how much a run holds; leave the limit out")
     if retries < 0:
         mistakes.append(f"retries: {retries} must be 0 or more")
-    mistakes += [
-        f"rerun: '{status}' is unknown; use failed or timed_out"
-        for status in rerun
-        if status not in ("failed", "timed_out")
-    ]
+    mistakes += wrong_reruns(rerun)
     if mistakes:
         raise StudyError(*mistakes)
 
@@ -155,7 +153,7 @@ def settled(
     if record.status == "timed_out" and record.limit is not None:
         if timeout is None or timeout > record.limit:
             return False
-    return record.status not in rerun
+    return not is_asked(record.status, record.message, rerun)
 
 
 def _adopt(

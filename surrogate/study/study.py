@@ -16,6 +16,7 @@ from surrogate.designs.aliasing import Aliasing
 from surrogate.designs.design import Design
 from surrogate.execution.backend import cores
 from surrogate.execution.progress import Progress
+from surrogate.execution.rerun import STATUSES
 from surrogate.execution.shared.work import Shared
 from surrogate.fitting.comparison import best
 from surrogate.fitting.fit import Fit
@@ -235,7 +236,7 @@ class Study:
         workers: int | None = None,
         results: Path | None = None,
         executor: Executor | Shared | None = None,
-        retry_failed: bool = False,
+        retry_failed: bool | Iterable[str] = False,
         fresh: bool = False,
         progress: Callable[[Progress], None] | None = None,
     ) -> xr.Dataset:
@@ -244,7 +245,8 @@ class Study:
         Runs of other studies in the same results folder are taken over where they are the
         same. executor: any concurrent.futures executor in place of the study's, or `Shared` to
         share the runs with other processes through the results folder.
-        retry_failed: do failed and timed-out runs again. fresh: do every run again and take
+        retry_failed: do failed and timed-out runs again, or some: "timed_out",
+        "message~text". fresh: do every run again and take
         nothing over; old records count until all is done, and an interrupted call is resumed
         by repeating it.
         """
@@ -253,7 +255,7 @@ class Study:
             self.execution,
             workers=workers,
             executor=executor or reading.starter(self.execution, self._beside),
-            rerun=("failed", "timed_out") if retry_failed else (),
+            rerun=STATUSES if retry_failed is True else tuple(retry_failed or ()),
             fresh=fresh,
             progress=progress,
         )

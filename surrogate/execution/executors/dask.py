@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from surrogate.errors import PluginError, SurrogateError
 from surrogate.execution.backend import Backend, RunSettings, cores
@@ -43,7 +43,7 @@ class At:
         """Its address."""
         return self.address
 
-    def tend(self, workers: int, wanted: int) -> None:
+    def tend(self, workers: set[str], wanted: int) -> None:
         """Nothing to do: workers are somebody else's."""
 
     def lifetime(self, worker: str) -> float | None:
@@ -68,6 +68,10 @@ class Own(At):
         self.count = count
         self.cluster: LocalCluster | None = None
 
+    def options(self) -> dict[str, Any]:
+        """More words of `distributed.LocalCluster`."""
+        return {}
+
     def open(self) -> str:
         """Start scheduler and workers; returns the address."""
         import dask
@@ -80,6 +84,7 @@ class Own(At):
                 dashboard_address=":0",
                 silence_logs=logging.CRITICAL,
                 memory_limit=0,
+                **self.options(),
             )
         return str(self.cluster.scheduler_address)
 

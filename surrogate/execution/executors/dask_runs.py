@@ -49,8 +49,8 @@ class WorkerSource(Protocol):
     def open(self) -> str:
         """See that there is a scheduler; returns its address."""
 
-    def tend(self, workers: int, wanted: int) -> None:
-        """See that workers come: so many are there, so many runs want one."""
+    def tend(self, workers: set[str], wanted: int) -> None:
+        """See that workers come: these are there by name, so many runs want one."""
 
     def lifetime(self, worker: str) -> float | None:
         """Seconds for which a worker takes new runs; None for any."""
@@ -168,7 +168,10 @@ class DaskRuns:
             return
         sent = self.going.pop(future, None)
         if sent is not None:
-            yield sent.task, self._outcome(future, sent)
+            outcome = self._outcome(future, sent)
+            if outcome.lost:  # its worker takes nothing before it was seen again
+                self.places = {place for place in self.places if place[0] != sent.place[0]}
+            yield sent.task, outcome
             future.release()
 
     def _outcome(self, future: Future[Outcome], sent: Sent) -> Outcome:
@@ -195,11 +198,12 @@ class DaskRuns:
         if moment - self._looked < LOOK_SECONDS:
             return
         self._looked = moment
-        threads = self._threads(client)
+        there = self._workers(client)
+        threads = {worker: int(told["nthreads"]) for worker, told in there.items()}
         self.seen = {worker: self.seen.get(worker, moment) for worker in threads}
         self.places = {(worker, n) for worker, count in threads.items() for n in range(count)}
-        young = [worker for worker in threads if not self._is_old(worker)]
-        self.source.tend(len(young), waiting + len(self.going))
+        young = {str(there[worker]["name"]) for worker in there if not self._is_old(worker)}
+        self.source.tend(young, waiting + len(self.going))
         for future, sent in list(self.going.items()):
             if sent.place[0] not in threads and sent.since < moment and not future.done():
                 del self.going[future]
@@ -212,12 +216,12 @@ class DaskRuns:
             if why:
                 raise SurrogateError(f"{why}. Finished runs are kept; run again to go on")
 
-    def _threads(self, client: Client) -> dict[str, int]:
-        """Threads of each worker that is there, by its address."""
+    def _workers(self, client: Client) -> dict[str, Any]:
+        """What the scheduler tells of each worker that is there, by its address."""
         try:
             if client.status != "running":
                 raise OSError(f"the connection is {client.status}")
-            return dict(client.nthreads())
+            return dict(client.scheduler_info(n_workers=-1)["workers"])
         except (OSError, TimeoutError, RuntimeError) as error:
             raise SurrogateError(
                 f"the dask scheduler has gone ({describe(error)}); the runs finished so far are "

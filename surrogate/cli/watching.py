@@ -1,0 +1,46 @@
+"""`surrogate status --watch`: how far the runs are, again and again, until none is left."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from surrogate.cli import terminal
+from surrogate.cli.progress import duration
+from surrogate.study.study import Study
+
+#: Seconds between two looks on a terminal, and between two lines elsewhere.
+LOOK, A_LINE = 5.0, 60.0
+
+
+def watch(
+    study: Study,
+    results: Path,
+    console: Console | None = None,
+    sleep: Callable[[float], None] = time.sleep,
+) -> None:
+    """Show the status until all runs are done: a page on a terminal, else a line a minute."""
+    console = console or Console()
+    while True:
+        page = terminal.status(study, results)
+        if console.is_terminal:
+            console.clear()
+            page.show(console)
+        else:
+            line = f"{time.strftime('%H:%M')} {_line(str(page.parts[0]), page.data)}"
+            console.print(line, highlight=False, markup=False, soft_wrap=True)
+            sys.stdout.flush()
+        if not page.data["runs"]["missing"]:
+            return
+        sleep(LOOK if console.is_terminal else A_LINE)
+
+
+def _line(first: str, data: Mapping[str, Any]) -> str:
+    """What is done, and the time left as far as it is known."""
+    seconds = data["seconds_left"]
+    return f"{first}; about {duration(seconds)} left" if seconds else first
