@@ -75,9 +75,11 @@ def with_work(points, milliseconds, workers) -> None:
 
 
 def with_dask(points, milliseconds, workers) -> None:
+    from execution_overhead import Busy as Importable  # this file, as workers find it
+
     from surrogate.execution.executors.dask import dask
 
-    spec = SolverSpec("busy", Busy, {"milliseconds": milliseconds})
+    spec = SolverSpec("busy", Importable, {"milliseconds": milliseconds})
     columns = {"x": points[:, 0], "y": points[:, 1]}
     with tempfile.TemporaryDirectory(dir=".") as folder:
         executor = partial(dask, workers=workers)

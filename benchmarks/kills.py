@@ -103,9 +103,10 @@ class Arena:
     def process(self, command: list[str]) -> subprocess.Popen[bytes]:
         """A process whose descendants are known by their mark."""
         self.serial += 1
+        path = os.pathsep.join(filter(None, (str(self.folder), os.environ.get("PYTHONPATH"))))
         made = subprocess.Popen(
             command,
-            env={**os.environ, MARK: f"{self.folder.name}-{self.serial}"},
+            env={**os.environ, "PYTHONPATH": path, MARK: f"{self.folder.name}-{self.serial}"},
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             start_new_session=True,

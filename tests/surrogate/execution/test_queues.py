@@ -85,7 +85,7 @@ echo $! >> {folder}/jobs
 echo "Submitted batch job $!"
 """
 SCANCEL = """#!/bin/sh
-for job; do kill -9 -- -$job 2>/dev/null; done; exit 0
+for job; do kill -9 -$job 2>/dev/null; done; exit 0
 """
 
 
