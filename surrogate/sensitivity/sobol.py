@@ -11,6 +11,7 @@ from surrogate.estimator import Array, has_indices
 from surrogate.sensitivity.draws import JointMeasure, Measure, Values, spread
 from surrogate.sensitivity.groups import Named, knows_groups, numbers
 from surrogate.sensitivity.independence import needs_independent, require_independent
+from surrogate.sensitivity.missed import largest
 from surrogate.sensitivity.model import Analysed, Model, Seed, model
 from surrogate.sensitivity.pick_freeze import INDICES, pick_freeze
 from surrogate.sensitivity.table import Q2_NEEDED, Estimate, Variables, dataset
@@ -125,13 +126,6 @@ def _sampled(
 def worst_case(total: Array, q2: float | None) -> Array:
     """Largest total index of the solver, when its surrogate has this total index and Q2.
 
-    sqrt(Var f T_i(f)) = sqrt(E[Var(f | x_~i)]) is a seminorm, so with f = surrogate + rest
-    and the rest holding the share 1 - Q2 of Var f (the surrogate's own share being at most
-    (1 + sqrt(1 - Q2))^2): sqrt(T_i(f)) <= (1 + e) sqrt(T_i) + e, e = sqrt(1 - Q2).
-    NaN when Q2 is not known; at most 1.
+    See `surrogate.sensitivity.missed`. NaN when Q2 is not known; at most 1.
     """
-    if q2 is None:
-        return np.full_like(total, np.nan)
-    missed = np.sqrt(np.clip(1.0 - q2, 0.0, 1.0))
-    worst: Array = (np.sqrt(np.maximum(total, 0.0)) * (1.0 + missed) + missed) ** 2
-    return np.minimum(worst, 1.0)
+    return np.full_like(total, np.nan) if q2 is None else largest(total, 1.0 - q2)
