@@ -1,81 +1,52 @@
-"""A study: solver, parameters, designs, surrogates, sensitivity; from one YAML file or mapping."""
+"""A study, from one YAML file or mapping, and the way from it to its report in Python."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import xarray as xr
 
-from surrogate.designs.aliasing import Aliasing
-from surrogate.designs.design import Design
-from surrogate.execution.backend import cores
 from surrogate.execution.progress import Progress
 from surrogate.execution.rerun import STATUSES
 from surrogate.execution.shared.work import Shared
 from surrogate.fitting.comparison import best
 from surrogate.fitting.fit import Fit
-from surrogate.runs.assembly import physical_columns
-from surrogate.runs.identity import SolverSpec, run_inputs
 from surrogate.runs.journal import read as read_journal
-from surrogate.runs.stored import StoredRuns
 from surrogate.sensitivity.screening import Screening
-from surrogate.solver import Output, broken, constraints_of
-from surrogate.space.space import Space
 from surrogate.stages import fits as fitting
 from surrogate.stages import report as reporting
 from surrogate.stages import sensitivity as analysing
-from surrogate.stages.aliasing import aliases, aliasing
+from surrogate.stages.aliasing import aliasing
 from surrogate.stages.comparison import comparison
 from surrogate.stages.failures import failures
-from surrogate.stages.fits import Fits, Surrogate
+from surrogate.stages.fits import Fits
 from surrogate.stages.regression import regression
 from surrogate.stages.replicates import replicates
-from surrogate.stages.screening import ScreeningRule, nominal_values, screening
-from surrogate.stages.sensitivity import SensitivityMethod
+from surrogate.stages.screening import screening
 from surrogate.stages.validation import validation
-from surrogate.stages.yaml_text import write_yaml
 from surrogate.study import reading
 from surrogate.study.asked_runs import AskedRuns
-from surrogate.study.parts import ExecutionPart
 from surrogate.study.reading import fields_of
 from surrogate.study.source import Source, read_file, read_text
 from surrogate.validation.cases import Cases, from_runs
-from surrogate.validation.validation import Validation, fixed_inputs
+from surrogate.validation.validation import fixed_inputs
 
 if TYPE_CHECKING:
     from surrogate.report import Page
+from surrogate.study.description import Description
 
 
 @dataclass(frozen=True)
-class Study:
-    """What a study file says, as objects. Build one by `from_yaml` or `from_mapping`.
+class Study(Description):
+    """A study: what its file says, its runs, and thin calls of what follows from them.
 
-    constants are in the solver's units; inputs that are neither parameters nor
-    constants keep the solver's nominal value. notes tell what was guessed of the study's
-    data and what was left out.
+    Build one by `from_yaml`, `from_text` or `from_mapping`.
     """
-
-    name: str
-    about: str
-    spec: SolverSpec
-    space: Space
-    constants: Mapping[str, float | str]
-    outputs: tuple[str, ...]
-    designs: Mapping[str, Design]
-    surrogates: Mapping[str, Surrogate]
-    sensitivity_method: SensitivityMethod | None
-    screening_rule: ScreeningRule | None
-    execution: ExecutionPart
-    stored_runs: tuple[StoredRuns, ...]
-    validation: Validation | None
-    notes: tuple[str, ...]
-    source: Source = field(repr=False, compare=False)
 
     @classmethod
     def from_yaml(cls, path: str | Path) -> Study:
@@ -98,65 +69,6 @@ class Study:
         """The study that a source describes; modules and files are looked for in `folder`."""
         return cls(**fields_of(source, folder, _reference), source=source)
 
-    @property
-    def folder(self) -> Path:
-        """Where its results go unless the caller says otherwise."""
-        return Path("results") / self.name
-
-    @property
-    def place(self) -> Path:
-        """Where the study file lies; the current folder for a study without a file."""
-        return Path(self.source.name).parent
-
-    @property
-    def shared(self) -> Shared:
-        """How its runs are shared through the results folder."""
-        found = reading.starter(self.execution, self._beside)
-        return found if isinstance(found, Shared) else Shared()
-
-    @property
-    def _beside(self) -> Path | None:
-        """Folder of the study file, where its modules lie; None for a study without a file."""
-        return self.place.resolve() if self.source.name else None
-
-    @property
-    def workers(self) -> int:
-        """Processes of this machine for what follows the runs."""
-        here = self.execution.executor in ("local", "threads")
-        return self.execution.at_once if here and self.execution.at_once else cores()
-
-    @property
-    def places(self) -> int:
-        """Runs at once, as far as that is known before they begin."""
-        return self.execution.at_once or cores()
-
-    def with_surrogates(self, names: Iterable[str]) -> Study:
-        """The same study with only these surrogates."""
-        return replace(self, surrogates={name: self.surrogates[name] for name in names})
-
-    @property
-    def words(self) -> dict[str, Any]:
-        """What the study says, as plain data."""
-        if self.source.text or self.spec.recorded:
-            return dict(self.source.data)
-        solver = {"name": self.spec.name, "options": self.spec.plain_options}
-        return {**self.source.data, "solver": solver}
-
-    @property
-    def text(self) -> str:
-        """The study as written, or as YAML when it came as Python data."""
-        return self.source.text or write_yaml(self.words)
-
-    @property
-    def aliases(self) -> dict[str, Aliasing]:
-        """What is confounded with what, for each design that is a regular two-level fraction."""
-        return aliases(self.space, {name: self.designs[name].coded for name in self.unsearched})
-
-    @property
-    def unsearched(self) -> tuple[str, ...]:
-        """Designs whose points follow from a construction and not from a search."""
-        return tuple(name for name, design in self.designs.items() if not design.searched)
-
     def asked(self, results: Path | None = None) -> AskedRuns:
         """The runs that the study asks for, and what a results folder holds of them."""
         folder = results or self.folder
@@ -178,27 +90,6 @@ class Study:
     def _asked(self) -> dict[Path, AskedRuns]:
         """What `asked` gave for each folder, so that points and keys are found once."""
         return {}
-
-    @property
-    def broken_constraints(self) -> dict[str, dict[str, int]]:
-        """How many points of each design break a constraint of the solver, by its sentence.
-
-        Designs all of whose points keep all constraints are left out, and those whose points
-        would have to be searched for first.
-        """
-        found = {}
-        for name, design in self.designs.items() if constraints_of(self.spec.solver) else ():
-            if not design.at_hand:
-                continue
-            columns = physical_columns(self.space, {name: design.coded})
-            calls = run_inputs(self.spec, columns, self.constants)
-            found[name] = broken(self.spec.solver, calls)
-        return {name: counts for name, counts in found.items() if counts}
-
-    @property
-    def points(self) -> dict[str, np.ndarray]:
-        """Coded points (run, parameter) of each design."""
-        return {name: design.coded for name, design in self.designs.items()}
 
     def journal(self, results: Path | None = None) -> Path:
         """Where finished runs are written down."""
@@ -314,11 +205,6 @@ class Study:
             indices,
         )
 
-    @property
-    def nominal(self) -> dict[str, float | str]:
-        """The solver's nominal values of those parameters whose range holds theirs."""
-        return nominal_values(self.space, self.spec.solver)
-
     def beside(self, other: Study, results: Path | None = None) -> Path:
         """Where the results of another study lie, when this one's lie in `results`."""
         return (results or self.folder).parent / other.name
@@ -345,16 +231,6 @@ class Study:
         cases: Cases = found.in_units(units).by_subject(subject)
         reading.check_cases(cases, self.space, self.offered, self._compared)
         return cases
-
-    @property
-    def offered(self) -> dict[str, Output]:
-        """The outputs that the study keeps, as the solver describes them."""
-        return {name: self.spec.solver.outputs[name] for name in self.outputs}
-
-    @property
-    def _compared(self) -> tuple[str, ...]:
-        """Outputs that validation names; none for all that the cases have."""
-        return self.validation.outputs if self.validation else ()
 
     def validate(
         self, fits: Fits, cases: Any = None, *, results: Path | None = None
