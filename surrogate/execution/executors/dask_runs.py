@@ -1,9 +1,10 @@
 """Runs on dask workers: dask carries them there and back, everything else is decided here.
 
-One run at a time for each thread of each worker, bound to that worker, so that the end of a
-worker blames the run that it was at and no other. A key belongs to one attempt of one run, so
-that dask never answers from memory. Attempts are counted by `attempts`. A result is released
-when it is in the journal.
+One task at a time for each thread of each worker, bound to that worker, so that the end of a
+worker blames the run that it was at and no other. Short runs travel together; those of a lost
+worker are then sent again one by one, which blames nobody before. A key belongs to one attempt
+of one run, so that dask never answers from memory. Attempts are counted by `attempts`. A result
+is released when it is in the journal.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import logging
 import secrets
 import time
 from collections import deque
-from collections.abc import Generator, Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from queue import Empty, SimpleQueue
@@ -23,8 +24,10 @@ from surrogate.execution.answers import Outcome, describe
 from surrogate.execution.backend import Event, RunSettings
 from surrogate.execution.clock import TICK
 from surrogate.execution.handle import Task
+from surrogate.execution.pool import LARGEST_BATCH
 from surrogate.execution.steady import close_places, packed, place_for
 from surrogate.execution.stopping import Stop
+from surrogate.execution.workers import BATCH_SECONDS
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -62,37 +65,48 @@ class WorkerSource(Protocol):
         """End what was started."""
 
 
-def run_in_child(settings: bytes, call: Mapping[str, Any]) -> Outcome:
-    """One attempt of a run, in a child process of the dask worker that this is called in."""
-    return place_for(settings).evaluate(call)
+def run_in_child(settings: bytes, calls: Sequence[Mapping[str, Any]]) -> list[Outcome]:
+    """Attempts of runs, in a child process of the dask worker that this is called in.
+
+    When they have taken `BATCH_SECONDS` the others are left.
+    """
+    place, until = place_for(settings), time.perf_counter() + BATCH_SECONDS
+    outcomes = []
+    for call in calls:
+        outcomes.append(place.evaluate(call))
+        if time.perf_counter() > until:
+            break
+    return outcomes
 
 
 @dataclass
 class Sent:
-    """A run that was sent to a place."""
+    """Runs that were sent to a place."""
 
-    task: Task
+    tasks: list[Task]
     place: Place
     since: float
 
 
 @dataclass
 class DaskRuns:
-    """At most one run at a time in each place of the workers that `source` provides."""
+    """At most one task at a time in each place of the workers that `source` provides."""
 
     settings: RunSettings
     source: WorkerSource
-    going: dict[Future[Outcome], Sent] = field(default_factory=dict)
+    going: dict[Future[list[Outcome]], Sent] = field(default_factory=dict)
     places: set[Place] = field(default_factory=set)
     seen: dict[str, float] = field(default_factory=dict)
-    finished: SimpleQueue[Future[Outcome]] = field(default_factory=SimpleQueue)
+    alone: set[str] = field(default_factory=set)
+    finished: SimpleQueue[Future[list[Outcome]]] = field(default_factory=SimpleQueue)
     _looked: float = -LOOK_SECONDS
     _there: float = 0.0
+    _mean: float | None = None
 
     @property
     def under_way(self) -> int:
         """Runs that were sent and are not back."""
-        return len(self.going)
+        return sum(len(sent.tasks) for sent in self.going.values())
 
     def results(self, queue: deque[Task], stop: Stop) -> Generator[Event, None, None]:
         """As `Backend.results`; `SurrogateError` when scheduler or workers stay away."""
@@ -124,13 +138,13 @@ class DaskRuns:
     ) -> Generator[Event, None, None]:
         self._there = time.monotonic()
         while not stop.now and (self.going or (queue and not stop.finish)):
-            yield from self._look(client, len(queue))
+            yield from self._look(client, queue)
             if not stop.finish:
                 self._send(client, queue)
-            yield from self._gather(client)
+            yield from self._gather(queue)
             yield None
         while not self.finished.empty():
-            yield from self._gather(client)
+            yield from self._gather(queue)
 
     def _send(self, client: Client, queue: deque[Task]) -> None:
         busy = {sent.place for sent in self.going.values()}
@@ -141,26 +155,39 @@ class DaskRuns:
                 return
             if self._is_old(place[0]):
                 continue
-            task = queue.popleft()
+            tasks = self._batch(queue)
             future = client.submit(
                 run_in_child,
                 self._content,
-                task.call,
-                key=f"{task.key}-{task.attempts}-{self._session}-{secrets.token_hex(3)}",
+                [task.call for task in tasks],
+                key=f"{tasks[0].key}-{tasks[0].attempts}-{self._session}-{secrets.token_hex(3)}",
                 pure=False,
                 workers=[place[0]],
                 allow_other_workers=False,
                 retries=0,
             )
-            self.going[future] = Sent(task, place, time.monotonic())
+            self.going[future] = Sent(tasks, place, time.monotonic())
             future.add_done_callback(self.finished.put)
+
+    def _batch(self, queue: deque[Task]) -> list[Task]:
+        """The next runs: as many as fill `BATCH_SECONDS`, at most a fair share of the queue."""
+        tasks = [queue.popleft()]
+        if tasks[0].key in self.alone or self._mean is None:
+            return tasks
+        fitting = int(BATCH_SECONDS / max(self._mean, 1e-6))
+        share = -(-len(queue) // (2 * max(1, len(self.places))))
+        for _ in range(min(fitting, share, LARGEST_BATCH) - 1):
+            if queue[0].key in self.alone:
+                break
+            tasks.append(queue.popleft())
+        return tasks
 
     def _is_old(self, worker: str) -> bool:
         """True for a worker that may not live until the end of another run."""
         life = self.source.lifetime(worker)
         return life is not None and time.monotonic() - self.seen[worker] > life
 
-    def _gather(self, client: Client) -> Iterator[Event]:
+    def _gather(self, queue: deque[Task]) -> Iterator[Event]:
         """Results that have come; each is released after it was taken."""
         try:
             future = self.finished.get(timeout=TICK)
@@ -168,31 +195,44 @@ class DaskRuns:
             return
         sent = self.going.pop(future, None)
         if sent is not None:
-            outcome = self._outcome(future, sent)
-            if outcome.lost:  # its worker takes nothing before it was seen again
+            outcomes = self._outcomes(future, sent)
+            if outcomes[0].lost:  # its worker takes nothing before it was seen again
                 self.places = {place for place in self.places if place[0] != sent.place[0]}
-            yield sent.task, outcome
+                yield from self._lose(sent, outcomes[0], queue)
+            else:
+                queue.extendleft(reversed(sent.tasks[len(outcomes) :]))
+                for task, outcome in zip(sent.tasks, outcomes, strict=False):
+                    mean, took = self._mean, outcome.seconds
+                    self._mean = took if mean is None else 0.9 * mean + 0.1 * took
+                    yield task, outcome
             future.release()
 
-    def _outcome(self, future: Future[Outcome], sent: Sent) -> Outcome:
+    def _lose(self, sent: Sent, outcome: Outcome, queue: deque[Task]) -> Iterator[Event]:
+        """A run that was alone is lost; of several nobody knows which, so each is tried alone."""
+        if len(sent.tasks) == 1:
+            yield sent.tasks[0], outcome
+        else:
+            self.alone.update(task.key for task in sent.tasks)
+            queue.extendleft(reversed(sent.tasks))
+
+    def _outcomes(self, future: Future[list[Outcome]], sent: Sent) -> list[Outcome]:
         from distributed import CancelledError
         from distributed.scheduler import KilledWorker
 
         try:
-            outcome: Outcome = future.result(timeout=CONNECT_SECONDS)
-            return outcome
+            outcomes: list[Outcome] = future.result(timeout=CONNECT_SECONDS)
+            return outcomes
         except (KilledWorker, CancelledError, TimeoutError, OSError):
-            return _lost(sent)
+            return [_lost(sent)]
         except PluginError:
             raise
         except SurrogateError as error:  # its children were killed while they started
-            return Outcome("failed", str(error), 0.0, answered=False, lost=True)
+            return [Outcome("failed", str(error), 0.0, answered=False, lost=True)]
         except Exception as error:  # the worker cannot import what it needs, or ran full
-            return Outcome(
-                "failed", f"dask worker {sent.place[0]}: {describe(error)}", 0.0, answered=False
-            )
+            said = f"dask worker {sent.place[0]}: {describe(error)}"
+            return [Outcome("failed", said, 0.0, answered=False)] * len(sent.tasks)
 
-    def _look(self, client: Client, waiting: int) -> Iterator[Event]:
+    def _look(self, client: Client, queue: deque[Task]) -> Iterator[Event]:
         """See which workers are there; runs of those that are gone are lost."""
         moment = time.monotonic()
         if moment - self._looked < LOOK_SECONDS:
@@ -203,12 +243,12 @@ class DaskRuns:
         self.seen = {worker: self.seen.get(worker, moment) for worker in threads}
         self.places = {(worker, n) for worker, count in threads.items() for n in range(count)}
         young = {str(there[worker]["name"]) for worker in there if not self._is_old(worker)}
-        self.source.tend(young, waiting + len(self.going))
+        self.source.tend(young, len(queue) + self.under_way)
         for future, sent in list(self.going.items()):
             if sent.place[0] not in threads and sent.since < moment and not future.done():
                 del self.going[future]
                 future.cancel()
-                yield sent.task, _lost(sent)
+                yield from self._lose(sent, _lost(sent), queue)
         if threads:
             self._there = moment
         elif moment - self._there > self.source.patience:
