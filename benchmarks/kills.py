@@ -127,12 +127,13 @@ class Arena:
 
     def check(self) -> None:
         """Compare journal and diary with what was done before; see who outlives whom."""
+        # The journal first: what stands in it was called before, and is in the diary by now.
+        records = read(self.folder / "journal").records.values()
         lines = (self.folder / "diary").read_bytes() if (self.folder / "diary").exists() else b""
         whole = lines[self.read_to : lines.rfind(b"\n") + 1]
         called = {float(x) for x in whole.split()}
         self.count.twice += len(called & self.done)
         self.read_to += len(whole)
-        records = read(self.folder / "journal").records.values()
         now_done = {float(r.inputs["x"]) for r in records if r.status == "ok"}
         self.count.lost += len(self.done - now_done)
         self.done = now_done
