@@ -21,18 +21,19 @@ from surrogate.errors import ResultsError, nearest
 from surrogate.runs.files import write_bytes
 from surrogate.runs.identity import RunInputs
 from surrogate.runs.names import RESERVED_NAMES
+from surrogate.runs.netcdf import encoded
 
 #: Status of a row: has an answer, has none, took too long, was not run yet.
 STATUSES = ("ok", "failed", "timed_out", "missing")
 
 
-def save(runs: xr.Dataset | xr.DataTree, path: str | Path, **options: Any) -> None:
+def save(runs: xr.Dataset | xr.DataTree, path: str | Path, *, compressed: bool = False) -> None:
     """Write a dataset as netCDF4, all of it or nothing: an older file stays until it is whole.
 
     It is made in memory, because HDF5 takes the process down when a disk fills under it.
-    options: of `to_netcdf`. Raises `ResultsError` when the disk does not take it.
+    compressed: numbers, without loss. Raises `ResultsError` when the disk does not take it.
     """
-    write_bytes(path, runs.to_netcdf(engine="h5netcdf", **options))
+    write_bytes(path, encoded(runs, compressed=compressed))
 
 
 def load(

@@ -291,12 +291,7 @@ def write(runs: xr.Dataset, path: str | Path) -> None:
     finished = finished.assign(single)
     for of_the_journal in ("stored", "damaged"):
         finished.attrs.pop(of_the_journal, None)
-    encoding = {
-        str(name): {"zlib": True, "complevel": 6, "shuffle": True}
-        for name, variable in finished.variables.items()
-        if variable.dtype.kind in "fiu"
-    }
-    rundata.save(finished, path, encoding=encoding)
+    rundata.save(finished, path, compressed=True)
 
 
 def _fits_single(values: xr.DataArray) -> bool:

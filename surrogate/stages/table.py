@@ -11,8 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import xarray as xr
-
+from surrogate.runs.netcdf import encoded
 from surrogate.stages import fits, portable, sensitivity
 from surrogate.stages.aliasing import aliasing
 from surrogate.stages.comparison import comparison
@@ -38,17 +37,12 @@ def _file(name: str, content: Callable[[Any], bytes | memoryview]) -> Files:
 
 def _dataset(name: str) -> Files:
     """A dataset as netCDF4, made in memory: HDF5 ends the process when a disk fills under it."""
-    return Files(name, lambda found: {} if found is None else {name: _netcdf(found)})
-
-
-def _netcdf(found: xr.Dataset | xr.DataTree) -> memoryview:
-    content: memoryview = found.to_netcdf(engine="h5netcdf")
-    return content
+    return Files(name, lambda found: {} if found is None else {name: encoded(found)})
 
 
 def _regression_file(tables: Any) -> Mapping[str, memoryview]:
     found = tree(tables)
-    return {} if found is None else {"regression.nc": _netcdf(found)}
+    return {} if found is None else {"regression.nc": encoded(found)}
 
 
 STAGES = (
