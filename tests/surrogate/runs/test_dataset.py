@@ -65,7 +65,7 @@ def test_has_the_variables_and_attributes_that_scripts_count_on(runs):
         "square": ("run",),
         "ramp": ("run", "place"),
         **dict.fromkeys(
-            ["design", "status", "message", "seconds", "attempts", "finished"], ("run",)
+            ["design", "status", "message", "seconds", "attempts", "finished", "origin"], ("run",)
         ),
     }
     assert runs["parameter"].values.tolist() == ["x", "way"]
