@@ -17,6 +17,8 @@ OUTPUT_TITLES = frozenset(("y", "output", "response", "result", "target", "yield
 ROW_TITLES = frozenset(("id", "run", "no", "nr", "number", "index", "row", "case", "trial"))
 #: A category with more levels than this share of the rows is a label of rows.
 MANY_LEVELS = 0.5
+#: Rows from which a column 1, 2, 3 ... is a number of the row, whatever it is called.
+MANY_ROWS = 10
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,9 @@ def _useless(one: Column, rows: int) -> str:
         return "does not vary"
     counts = one.kind == "integer" and bool(np.all(np.diff(one.values) == 1))
     named = one.title.strip().lower() in ROW_TITLES
-    if (named and (counts or not one.numeric)) or (counts and one.values[0] in (0, 1)):
+    if (named and (counts or not one.numeric)) or (
+        counts and one.values[0] in (0, 1) and rows >= MANY_ROWS
+    ):
         return "numbers the rows"
     if one.kind == "category" and len(set(one.values)) > max(2, MANY_LEVELS * rows):
         return "names the rows"

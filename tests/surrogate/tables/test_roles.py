@@ -38,7 +38,9 @@ def test_nothing_left_is_a_sentence(tmp_path):
         guess(tmp_path, "a,b\n1,2\n1,3\n")
 
 
-def test_a_column_that_counts_the_rows_is_no_input(tmp_path):
-    """Whatever it is called, 1, 2, 3 ... tells nothing of the output."""
-    found = guess(tmp_path, "Versuch,a,y\n1,4,3\n2,4.5,7\n3,6,8\n")
+def test_a_column_that_counts_many_rows_is_no_input(tmp_path):
+    """Whatever it is called, 1, 2 .. 12 tells nothing of the output; 1, 2, 3 may be levels."""
+    rows = "".join(f"{k},{k % 5}.5,{k % 7}\n" for k in range(1, 13))
+    found = guess(tmp_path, "Versuch,a,y\n" + rows)
     assert found.inputs == ("a",) and found.left_out == {"Versuch": "numbers the rows"}
+    assert guess(tmp_path, "teeth,a,y\n1,4,3\n2,4.5,7\n3,6,8\n").inputs == ("teeth", "a")
