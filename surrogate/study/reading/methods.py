@@ -20,8 +20,8 @@ from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import SensitivityPart, SurrogatePart
-from surrogate.study.reading.data import DATA
 from surrogate.study.reading.mistakes import Reading
+from surrogate.study.reading.rows import DATA
 
 #: Parameters of plug-ins that the framework fills in; they are not options.
 GIVEN_TO_REGRESSORS = ("space",)
