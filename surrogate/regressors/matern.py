@@ -6,8 +6,8 @@ one length l_j for each column (Rasmussen and Williams 2006, equation 4.17; prod
 it as in Roustant, Ginsbourger, Deville 2012, DiceKriging). A product, and not the
 radial form, has exact Sobol' indices.
 
-It is evaluated as exp(3 c / 2 - sum_j t_j) prod_j (t_j^2 + 3/4) / 3^c with t_j = s_j + 3/2:
-one exponential for all c columns and seven passes over the numbers a column.
+It is evaluated as exp(-sum_j s_j) prod_j (s_j (s_j + 3) + 3) / 3^c: one exponential for all
+c columns and seven passes over the numbers a column, each rounded once where s_j is small.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ def weighted_sum(points: Array, centres: Array, lengths: Array, weights: Array) 
     weights (n,) or (n, draws); returns (m,) or (m, draws).
     """
     result = np.empty((len(points), *weights.shape[1:]))
-    scaled = weights / 3.0 ** len(lengths)
     for part, block in blocks(points, centres, lengths):
-        result[part] = block @ scaled
+        result[part] = block @ weights
+    result /= 3.0 ** len(lengths)
     return result
 
 
@@ -51,24 +51,24 @@ def blocks(a: Array, b: Array, lengths: Array) -> Iterator[tuple[slice, Array]]:
     """
     a, b = (np.ascontiguousarray((points * (ROOT5 / lengths)).T) for points in (a, b))
     step = max(min(BLOCK // max(b.shape[1], 1), a.shape[1]), 1)
-    memory = np.empty((3, step, b.shape[1]))
+    memory = np.empty((4, step, b.shape[1]))
     for start in range(0, a.shape[1], step):
         part = slice(start, start + step)
         rows = a[:, part]
         yield part, _block(rows, b, *memory[:, : rows.shape[1]])
 
 
-def _block(a: Array, b: Array, result: Array, factor: Array, total: Array) -> Array:
+def _block(a: Array, b: Array, result: Array, s: Array, factor: Array, total: Array) -> Array:
     """3^c times the correlations (k, n) of scaled points (c, k) and (c, n), in `result`."""
     result.fill(1.0)
-    total.fill(-1.5 * len(a))
+    total.fill(0.0)
     for x, centre in zip(a, b, strict=True):
-        np.subtract.outer(x, centre, out=factor)
-        np.abs(factor, out=factor)
-        factor += 1.5
-        total += factor
-        factor *= factor
-        factor += 0.75
+        np.subtract.outer(x, centre, out=s)
+        np.abs(s, out=s)
+        total += s
+        np.add(s, 3.0, out=factor)
+        factor *= s
+        factor += 3.0
         result *= factor
     np.negative(total, out=total)
     np.exp(total, out=total)
