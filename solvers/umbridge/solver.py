@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, TypeVar
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -31,8 +31,11 @@ class OutputOptions(BaseModel):
     dims: dict[str, list[float] | int] = {}
 
 
-Inputs = Sequence[Mapping[str, DeclaredInput]]
-Outputs = Sequence[Mapping[str, OutputOptions]]
+#: The vectors of an option: for each, name -> description, in order.
+Inputs = list[dict[str, DeclaredInput]]
+Outputs = list[dict[str, OutputOptions]]
+
+_Vectors = TypeVar("_Vectors", Inputs, Outputs)
 
 
 class UMBridge:
@@ -64,8 +67,8 @@ class UMBridge:
         retries: int = 2,
         model_version: str = "",
     ):
-        self._in: Inputs = _vectors("inputs", inputs, DeclaredInput)
-        self._out: Outputs = _vectors("outputs", outputs, OutputOptions)
+        self._in = _vectors("inputs", inputs, TypeAdapter(Inputs))
+        self._out = _vectors("outputs", outputs, TypeAdapter(Outputs))
         if urlsplit(url).scheme not in ("http", "https") or not urlsplit(url).hostname:
             raise StudyError(f"url: '{url}' is no address; write http://localhost:4242")
         self.client = Client(url, model, config or {}, seconds(timeout), max(0, retries))
@@ -123,11 +126,11 @@ class UMBridge:
         self._checked = True
 
 
-def _vectors(option: str, given: Any, kind: type[BaseModel]) -> Any:
+def _vectors(option: str, given: Any, kind: TypeAdapter[_Vectors]) -> _Vectors:
     """The vectors of an option, each name -> its description; raises `StudyError`."""
     given = [given] if isinstance(given, Mapping) else given
     try:
-        found = TypeAdapter(list[dict[str, kind]]).validate_python(given)  # type: ignore[valid-type]
+        found = kind.validate_python(given)
     except ValidationError as error:
         raise StudyError(
             *(
