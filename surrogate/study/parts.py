@@ -1,6 +1,7 @@
-"""The parts of a study file: which keys each has and what kind of value each takes.
+"""The parts of a study file: which keys each has, what they mean, what kind of value each takes.
 
-Whether names exist, units convert and ranges hold is decided in
+Description and example of a key go into the JSON Schema, from which editors complete and the
+documentation is made. Whether names exist, units convert and ranges hold is decided in
 `surrogate.study.reading`, where names become objects.
 """
 
@@ -9,67 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    model_validator,
-)
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from surrogate.errors import StudyError
-
-Number = Annotated[float, Field(strict=False, allow_inf_nan=False)]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")]
-
-
-def _seconds(value: Any) -> float | None:
-    from surrogate.space import units  # pint: not for those who only want the schema
-
-    try:
-        return None if value is None else units.seconds(value)
-    except StudyError as error:
-        raise ValueError(str(error)) from None
-
-
-def _bytes(value: Any) -> float | None:
-    from surrogate.space import units
-
-    try:
-        return None if value is None else units.size(value)
-    except StudyError as error:
-        raise ValueError(str(error)) from None
-
-
-#: Bytes.
-Size = Annotated[
-    float | None, BeforeValidator(_bytes, json_schema_input_type=str | float), Field(gt=0)
-]
-
-Duration = Annotated[
-    float | None, BeforeValidator(_seconds, json_schema_input_type=str | float), Field(gt=0)
-]
-
-
-def _listed(value: Any) -> Any:
-    return (value,) if isinstance(value, str) else value
-
-
-#: One text, or a list of them.
-Texts = Annotated[
-    tuple[str, ...], BeforeValidator(_listed, json_schema_input_type=str | tuple[str, ...])
-]
-
-
-def _names_only(value: Any) -> Any:
-    if isinstance(value, list | tuple) and value and all(_is_number(one) for one in value):
-        shown = ", ".join(f"{one:g}" for one in value)
-        raise ValueError(f"levels are names; for numbers write values: [{shown}]")
-    return value
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+from surrogate.study.values import Duration, Name, Number, Size, Texts, names_only
 
 
 class Part(BaseModel):
@@ -92,8 +35,13 @@ class OpenPart(Part):
 class SolverPart(Part):
     """Which simulation to run."""
 
-    name: str = Field(description="Entry point, or module:object.")
-    options: dict[str, Any] = Field({}, description="Options of that solver.")
+    name: str = Field(
+        description="One that `surrogate list` shows, or module:object beside the study.",
+        examples=["borehole", "my_beam:Beam"],
+    )
+    options: dict[str, Any] = Field(
+        {}, description="Options of that solver.", examples=[{"mesh": "coarse"}]
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -104,22 +52,33 @@ class SolverPart(Part):
 class ParameterPart(OpenPart):
     """What varies: a range, a distribution with its words, values, or levels."""
 
-    range: tuple[Number, Number] | None = Field(None, description="Smallest and largest value.")
+    range: tuple[Number, Number] | None = Field(
+        None, description="Smallest and largest value.", examples=[[0.1, 0.3]]
+    )
     distribution: str | None = Field(
         None,
         description="uniform, normal, lognormal, triangular "
-        "or a continuous scipy.stats name; a range truncates it. "
+        "or a continuous scipy.stats name; its words (mean, std, ...) stand beside it, and a "
+        "range truncates it. "
         "From the column of data: fit (the likeliest law), data (the values, smoothed).",
+        examples=["normal", "lognormal", "fit"],
     )
-    integer: bool = Field(False, description="Whole numbers of the range only.")
+    integer: bool = Field(False, description="Whole numbers of the range only.", examples=[True])
     values: tuple[Number, ...] | None = Field(
-        None, description="The only values of an ordered quantity, such as sizes in a catalogue."
+        None,
+        description="The only values of an ordered quantity, such as sizes in a catalogue.",
+        examples=[[10, 12, 16, 20]],
     )
     levels: Annotated[
         tuple[str, ...] | None,
-        BeforeValidator(_names_only, json_schema_input_type=tuple[str, ...] | None),
-    ] = Field(None, description="Names, for a categorical input.")
-    unit: str | None = Field(None, description="Converted to the solver's unit.")
+        BeforeValidator(names_only, json_schema_input_type=tuple[str, ...] | None),
+    ] = Field(None, description="Names, for a categorical input.", examples=[["soft", "stiff"]])
+    unit: str | None = Field(
+        None,
+        description="Unit of the numbers here; they are converted to the solver's unit. "
+        "Default: the solver's unit.",
+        examples=["N/mm", "degC"],
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -130,15 +89,23 @@ class ParameterPart(OpenPart):
 class DataOutputPart(Part):
     """A column that holds what was measured or computed."""
 
-    unit: str | None = Field(None, description="Default: that of the table's header.")
+    unit: str | None = Field(
+        None,
+        description="Unit of the column. Default: that of the table's header.",
+        examples=["MPa"],
+    )
 
 
 class DataTestPart(Part):
     """Which rows are held out to test the surrogates."""
 
-    fraction: float | None = Field(None, gt=0, lt=1, description="Share of the rows, at random.")
-    seed: int = Field(0, ge=0, description="Of that choice.")
-    column: str | None = Field(None, description="A column that says train or test.")
+    fraction: float | None = Field(
+        None, gt=0, lt=1, description="Share of the rows, chosen at random.", examples=[0.2]
+    )
+    seed: int = Field(0, ge=0, description="Seed of the random choice of rows.", examples=[1])
+    column: str | None = Field(
+        None, description="A column that says train or test.", examples=["split"]
+    )
 
     @model_validator(mode="after")
     def _one_of_two(self) -> DataTestPart:
@@ -163,14 +130,33 @@ DataOutputs = Annotated[
 class DataPart(Part):
     """A table of runs that are done: in place of a solver, or beside it."""
 
-    file: str = Field(description="csv, tsv, xlsx, parquet or nc, relative to the study file.")
-    sheet: str | None = Field(None, description="Of an Excel file; default: its first.")
-    outputs: DataOutputs = Field(
-        {}, description="Columns that are outputs; default: guessed, and told."
+    file: str = Field(
+        description="The table: csv, tsv, xlsx, parquet or nc, relative to the study file.",
+        examples=["tests.csv"],
     )
-    rename: dict[str, Name] = Field({}, description="Header as written -> name in the study.")
-    leave_out: Texts = Field((), description="Columns that are neither inputs nor outputs.")
-    test: DataTestPart | None = Field(None, description="Rows that are held out.")
+    sheet: str | None = Field(
+        None, description="Sheet of an Excel file. Default: its first.", examples=["Tests 2024"]
+    )
+    outputs: DataOutputs = Field(
+        {},
+        description="Columns that are outputs. Default: guessed, and told.",
+        examples=[{"strength": {"unit": "MPa"}}, ["strength", "weight"]],
+    )
+    rename: dict[str, Name] = Field(
+        {},
+        description="Names in the study for headers of the table.",
+        examples=[{"Temp (degC)": "temperature"}],
+    )
+    leave_out: Texts = Field(
+        (),
+        description="Columns that are neither inputs nor outputs.",
+        examples=[["operator", "date"]],
+    )
+    test: DataTestPart | None = Field(
+        None,
+        description="Rows that are held out to test the surrogates.",
+        examples=[{"fraction": 0.2, "seed": 1}],
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -181,8 +167,12 @@ class DataPart(Part):
 class ConstantPart(Part):
     """A fixed value of an input."""
 
-    value: Number | str
-    unit: str | None = None
+    value: Number | str = Field(
+        description="The value: a number, or the name of a level.", examples=[0.6, "soft"]
+    )
+    unit: str | None = Field(
+        None, description="Unit of the value. Default: the solver's unit.", examples=["mm"]
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -193,22 +183,44 @@ class ConstantPart(Part):
 class AugmentPart(OpenPart):
     """Points added to a design."""
 
-    method: str
+    method: str = Field(
+        description="An augmentation that `surrogate list` shows; its options stand beside it.",
+        examples=["fold_over", "center_points", "axial_points"],
+    )
 
 
 class DesignPart(OpenPart):
     """Where to run the solver: a method and its options."""
 
-    method: str = Field(description="See `surrogate list`.")
-    augment: tuple[AugmentPart, ...] = Field((), description="fold_over, center_points, ...")
+    method: str = Field(
+        description="A design that `surrogate list` shows, or module:function; its options "
+        "stand beside it.",
+        examples=["latin_hypercube", "fractional_factorial"],
+    )
+    augment: tuple[AugmentPart, ...] = Field(
+        (),
+        description="Points to add, step by step; runs of the points before are kept.",
+        examples=[[{"method": "fold_over"}, {"method": "center_points", "runs": 3}]],
+    )
 
 
 class SurrogatePart(Part):
     """A cheap model: a regressor and its options."""
 
-    method: str = Field(description="See `surrogate list`, or module:Class of scikit-learn.")
-    options: dict[str, Any] = {}
-    train: tuple[str, ...] = Field(("train",), min_length=1, description="Its training designs.")
+    method: str = Field(
+        description="A regressor that `surrogate list` shows, or module:Class of a regressor of "
+        "scikit-learn's kind.",
+        examples=["gaussian_process", "sklearn.ensemble:RandomForestRegressor"],
+    )
+    options: dict[str, Any] = Field(
+        {}, description="Options of that regressor.", examples=[{"n_estimators": 300}]
+    )
+    train: tuple[str, ...] = Field(
+        ("train",),
+        min_length=1,
+        description="Its training designs: one name, or a list.",
+        examples=[["screening", "foldover"]],
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -223,38 +235,69 @@ class SurrogatePart(Part):
 class SensitivityPart(OpenPart):
     """Which parameters matter, read from a surrogate."""
 
-    method: str = Field("sobol", description="Default: sobol, of correlated parameters shapley.")
-    surrogate: str = Field("best", description="A surrogate's name, or best.")
-    confidence: float = Field(0.95, gt=0, lt=1)
+    method: str = Field(
+        "sobol",
+        description="A sensitivity method that `surrogate list` shows; its options stand beside "
+        "it. Default: sobol, of correlated parameters shapley.",
+        examples=["sobol", "shapley"],
+    )
+    surrogate: str = Field(
+        "best",
+        description="The surrogate that is evaluated: its name, or best for the best of the "
+        "comparison.",
+        examples=["gp"],
+    )
+    confidence: float = Field(
+        0.95, gt=0, lt=1, description="Confidence of the intervals of the indices.", examples=[0.9]
+    )
     groups: dict[Name, tuple[str, ...]] = Field(
-        {}, description="Parameters whose share of the variance is asked for as a whole."
+        {},
+        description="Parameters whose share of the variance is asked for as a whole.",
+        examples=[{"material": ["young", "poisson"]}],
     )
 
 
 class ScreeningPart(Part):
     """Freeze a parameter when its total index (or Shapley effect) is surely below a limit."""
 
-    freeze_below: float = Field(0.02, gt=0, lt=1)
+    freeze_below: float = Field(
+        0.02,
+        gt=0,
+        lt=1,
+        description="The limit: a share of the output's variance.",
+        examples=[0.05],
+    )
     outputs: Texts = Field(
         (),
         description="Outputs that vote: a parameter is frozen when it "
         "hardly moves any of them. Default: all of the study's.",
+        examples=[["pressure_b1"]],
     )
 
 
 class ValidationPart(Part):
     """Cases that no surrogate has seen, and other models to set beside the surrogates."""
 
-    cases: str = Field(description="Measurements (.csv), runs (.nc), or another study (.yaml).")
-    output: Texts = Field((), description="Default: every scalar output that the cases have.")
+    cases: str = Field(
+        description="Measurements (.csv), runs (.nc), or another study (.yaml), relative to the "
+        "study file.",
+        examples=["measured.csv"],
+    )
+    output: Texts = Field(
+        (),
+        description="Outputs to compare. Default: every scalar output that the cases have.",
+        examples=["tip"],
+    )
     subject: str | None = Field(
         None,
         description="Column that tells who a case was measured on, "
-        "when one has several; default: the column 'subject', if any.",
+        "when one has several. Default: the column 'subject', if any.",
+        examples=["patient"],
     )
     models: dict[Name, SolverPart] = Field(
         {},
         description="Other solvers, called on the columns of the cases that they take as inputs.",
+        examples=[{"laplace": {"name": "laplace"}}],
     )
 
     @model_validator(mode="before")
@@ -270,15 +313,35 @@ class ExecutionPart(Part):
         "local",
         description="Where: local, threads, serial, dask, slurm, pbs, lsf, sge, shared_folder, "
         "or module:function that gives an executor of concurrent.futures.",
+        examples=["slurm"],
     )
-    options: dict[str, Any] = Field({}, description="Options of that executor.")
+    options: dict[str, Any] = Field(
+        {}, description="Options of that executor.", examples=[{"jobs": 20, "walltime": "12 h"}]
+    )
     places: int | None = Field(
-        None, ge=1, description="Runs at once; default: one a core, or all that a cluster has."
+        None,
+        ge=1,
+        description="Runs at once. Default: one a core, or all that a cluster has.",
+        examples=[8],
     )
-    workers: int | None = Field(None, ge=1, description="Another word for places.")
-    memory: Size = Field(None, description="Most memory of a run: 4 GB.")
-    timeout: Duration = Field(None, description="Longest time of a run: 30 s, 30 min, 2 h.")
-    retries: int = Field(0, ge=0, description="Further attempts of a failed run.")
+    workers: int | None = Field(None, ge=1, description="Another word for places.", examples=[2])
+    memory: Size = Field(
+        None,
+        description="Most memory of a run, with the programs that it starts (Linux). A run that "
+        "holds more is ended and is a failed run.",
+        examples=["4 GB"],
+    )
+    timeout: Duration = Field(
+        None,
+        description="Longest time of a run. A run that takes longer is ended and is a failed run.",
+        examples=["30 s", "30 min", "2 h"],
+    )
+    retries: int = Field(
+        0,
+        ge=0,
+        description="Further attempts of a run that crashed, hung or raised an exception.",
+        examples=[1],
+    )
 
     @property
     def at_once(self) -> int | None:
@@ -289,32 +352,98 @@ class ExecutionPart(Part):
 class StudyPart(Part):
     """A study file."""
 
-    study: Name = Field(description="Results go to results/<study>/.")
-    about: str = Field("", description="What is asked, for the report.")
-    solver: SolverPart | None = None
-    data: DataPart | None = Field(None, description="Runs that are done, in a table.")
-    parameters: dict[Name, ParameterPart] = {}
+    study: Name = Field(
+        description="Name of the study; results go to results/<study>/.", examples=["beam"]
+    )
+    about: str = Field(
+        "",
+        description="What is asked, in a sentence for the report.",
+        examples=["Which parameters drive the deflection, and which may be frozen?"],
+    )
+    solver: SolverPart | None = Field(
+        None,
+        description="The simulation to run: a name, or a name with options.",
+        examples=["borehole", {"name": "my_beam:Beam"}],
+    )
+    data: DataPart | None = Field(
+        None,
+        description="Runs that are done, in a table: in place of a solver, or beside it.",
+        examples=["tests.csv", {"file": "tests.csv", "outputs": ["strength"]}],
+    )
+    parameters: dict[Name, ParameterPart] = Field(
+        {},
+        description="Inputs that vary, each with its range, law, values or levels. Every other "
+        "input keeps the solver's nominal value. With data, every other column by default.",
+        examples=[{"load": {"range": [10, 90], "unit": "N"}, "length": [0.5, 2]}],
+    )
     correlation: tuple[tuple[str, str, Annotated[float, Field(gt=-1, lt=1)]], ...] = Field(
-        (), description="[name, name, correlation] of dependent parameters (Gaussian copula)."
+        (),
+        description="[name, name, correlation] of dependent parameters (Gaussian copula). An "
+        "empty list takes the columns of data as independent.",
+        examples=[[["speed", "feed", -0.4]]],
     )
     constraints: Texts = Field(
         (),
         description="Inequalities such as 'width + 2*gap <= 80 mm', or mixtures such as "
         "'a + b + c = 1', that all points keep.",
+        examples=[["width + 2*gap <= 80 mm"]],
     )
-    constants: dict[Name, ConstantPart] = {}
-    outputs: tuple[str, ...] | None = Field(None, description="Default: all of the solver's.")
-    designs: dict[Name, DesignPart] = {}
+    constants: dict[Name, ConstantPart] = Field(
+        {},
+        description="Inputs that do not vary but differ from the solver's nominal value.",
+        examples=[{"young": {"value": 70, "unit": "GPa"}, "poisson": 0.33}],
+    )
+    outputs: tuple[str, ...] | None = Field(
+        None,
+        description="Outputs that are analysed. Default: all of the solver's.",
+        examples=[["peak_stress"]],
+    )
+    designs: dict[Name, DesignPart] = Field(
+        {},
+        description="Where to run the solver. Surrogates learn from the design train, unless "
+        "they name others; test is held out.",
+        examples=[
+            {
+                "train": {"method": "latin_hypercube", "runs": 40, "seed": 1},
+                "test": {"method": "latin_hypercube", "runs": 20, "seed": 7},
+            }
+        ],
+    )
     replicates: int = Field(
-        1, ge=1, description="Runs at every point, of a solver that is not deterministic."
+        1,
+        ge=1,
+        description="Runs at every point, of a solver that is not deterministic.",
+        examples=[5],
     )
-    surrogates: dict[Name, SurrogatePart] = {}
-    sensitivity: SensitivityPart | None = None
-    screening: ScreeningPart | None = None
-    validation: ValidationPart | None = None
-    execution: ExecutionPart = Field(default_factory=lambda: ExecutionPart.model_validate({}))
+    surrogates: dict[Name, SurrogatePart] = Field(
+        {},
+        description="Cheap models that are fitted and compared: a method, or a method with "
+        "options.",
+        examples=[{"quadratic": "quadratic", "gp": {"method": "gaussian_process"}}],
+    )
+    sensitivity: SensitivityPart | None = Field(
+        None,
+        description="How the indices are computed that say which parameters matter.",
+        examples=[{"method": "sobol", "surrogate": "best"}],
+    )
+    screening: ScreeningPart | None = Field(
+        None,
+        description="Which parameters may be frozen; the reduced study is written.",
+        examples=[{"freeze_below": 0.02}],
+    )
+    validation: ValidationPart | None = Field(
+        None,
+        description="Measurements, or a better model, that surrogates are compared with.",
+        examples=["measured.csv"],
+    )
+    execution: ExecutionPart = Field(
+        default_factory=lambda: ExecutionPart.model_validate({}),
+        description="Where the runs are carried out, how many at once, and their limits.",
+        examples=[{"places": 2, "timeout": "30 min", "retries": 1}],
+    )
     stored: Texts = Field(
         (),
         description="Files of runs that ship with the study "
         "(`surrogate store`), relative to the study file.",
+        examples=["runs/beam.nc"],
     )
