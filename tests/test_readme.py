@@ -17,7 +17,7 @@ README = ROOT / "README.md"
 PAGES = sorted(
     [
         *(path for path in ROOT.glob("*.md") if path.name not in ("CHANGELOG.md", "DECISIONS.md")),
-        *(ROOT / "docs").glob("*.md"),
+        *(path for path in (ROOT / "docs").rglob("*.md") if "generated" not in path.parts),
         *(path for path in (ROOT / "solvers").rglob("*.md")),
     ]
 )
@@ -40,14 +40,14 @@ def run(*words, cwd):
 
 
 def test_the_ten_line_solver_goes_the_whole_way(tmp_path):
-    """my_beam.py and beam.yaml as printed: the command, then the Python of docs/results.md."""
+    """my_beam.py and beam.yaml as printed: the command, then the Python of the page on results."""
     (solver,) = blocks(README, "python")
     (study,) = blocks(README, "yaml")
     (tmp_path / "my_beam.py").write_text(solver)
     (tmp_path / "beam.yaml").write_text(study)
     assert len([line for line in solver.splitlines() if line.strip()]) <= 11
     run("-m", "surrogate", "run", "beam.yaml", cwd=tmp_path)
-    page = (ROOT / "docs" / "results.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "results.md").read_text(encoding="utf-8")
     listed = re.findall(r"^\| `(\w+(?:\.\w+)?)/?[*.\w]*`", page, re.MULTILINE)
     written = {path.name for path in (tmp_path / "results/beam").iterdir()}
     assert "report.html" in written and written <= set(listed)
@@ -57,7 +57,7 @@ def test_the_ten_line_solver_goes_the_whole_way(tmp_path):
         "check_solver(Beam())",
         cwd=tmp_path,
     )
-    reading, whole_way = blocks(ROOT / "docs" / "results.md", "python")
+    reading, whole_way = blocks(ROOT / "docs" / "reference" / "results.md", "python")
     assert re.search(r"length +0\.\d+", run("-c", reading, cwd=tmp_path))
     run("-c", whole_way, cwd=tmp_path)
     assert (tmp_path / "report.html").exists()

@@ -2,7 +2,8 @@
 
 A description is a dict of `inputs`, in order, and a `model` on coded inputs x.
 
-inputs: each has `name`, `unit` and a `coding` of the physical value v
+inputs: each has `name`, `unit` and a `coding` of the physical value v::
+
   {"kind": "range", "low": a, "high": b}      x = 2 (v - a) / (b - a) - 1
   {"kind": "levels", "levels": [names]}       x = 2 index / (k - 1) - 1
   {"kind": "normal", "mean", "std"}           x = erf((v - mean) / (std sqrt 2))
@@ -12,7 +13,8 @@ columns (of the kinds `polynomial` and `gaussian_process`): {"input": i} is x_i;
 {"input": i, "level": l, "levels": k} is 1 where the level's index round((x_i + 1)
 (k - 1) / 2) is l, -1 where it is 0, and 0 elsewhere.
 
-model, by "kind":
+model, by "kind"::
+
   polynomial   sum over `terms` of coefficient * prod column[j]^q, powers = [[j, q], ...]
   chaos        sum over `terms` of coefficient * prod P_{i,q}(x_i), degrees = [[i, q], ...].
                `bases`[i] is either {"alpha": [...], "beta": [...]}, for which

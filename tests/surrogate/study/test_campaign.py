@@ -270,9 +270,11 @@ def test_arrays_are_told_as_a_solver_returns_them(tmp_path):
 
 
 def test_the_page_is_true(tmp_path, monkeypatch, capsys):
-    """The study and the program of docs/ask_and_tell.md, as printed."""
+    """The study and the program of docs/how_to/ask_and_tell.md, as printed."""
     monkeypatch.chdir(tmp_path)
-    page = (Path(__file__).parents[3] / "docs" / "ask_and_tell.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "how_to" / "ask_and_tell.md").read_text(
+        encoding="utf-8"
+    )
     program, words = re.findall(r"^```(?:python|yaml)\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     (tmp_path / "hardness.yaml").write_text(words)
     exec(program, {})
