@@ -156,7 +156,24 @@ class Fit:
                 "polynomial, polynomial chaos or Gaussian process"
             )
         model = self.estimator.portable()
-        return portable.describe(self.space, model, surrogate=self.surrogate, output=self.output)
+        return portable.describe(
+            self.space, model, self._error(), surrogate=self.surrogate, output=self.output
+        )
+
+    def _error(self) -> dict[str, Any]:
+        """The error of predictions as `portable` describes it."""
+        if self.offers_std:
+            freedom = getattr(self.estimator, "interval_freedom", None)
+            quantile = portable.finite(_quantile(self.estimator, 0.95))
+            return {"kind": "own", "freedom": freedom, "quantile_95": quantile}
+        field = self.values.ndim > 1
+        spread, half = self._spread(), self._half_width(0.95)
+        return {
+            "kind": "left_out",
+            "freedom": len(self._errors) - 1,
+            "deviation": portable.finite(np.ravel(spread) if field else spread),
+            "half_width_95": portable.finite(np.ravel(half) if field else half),
+        }
 
 
 def fit(

@@ -213,6 +213,7 @@ class Field(RegressorMixin, BaseEstimator):
             "shape": list(self.shape_),
             "mean": self.mean_.tolist(),
             "modes": self.modes_.tolist(),
+            "left_out": self.left_out_.tolist(),
             "amplitudes": [model.portable() for model in self.estimators_],
         }
 

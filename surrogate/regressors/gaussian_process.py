@@ -362,6 +362,8 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             "columns": portable.described_columns(self.columns_),
             "offset": self.offset_,
             "scale": self.scale_,
+            "variance": self.variance_,
+            "nugget": self.nugget_,
             "lengths": self.lengths_.tolist(),
             "points": self.points_.tolist(),
             "weights": self.weights_.tolist(),

@@ -212,6 +212,16 @@ class Polynomial(TermRegressor):
         """Predictions (n,) of each run by the fit without its fold (n,); exact."""
         return self.model_.leave_out(np.asarray(folds))
 
+    def portable(self) -> dict[str, Any]:
+        """JSON-able description; see `surrogate.regressors.portable`."""
+        kept = [t for t, kept in zip(self.terms_, self.model_.kept, strict=True) if kept]
+        deviation = {
+            "residual_sd": portable.finite(self.model_.residual_sd),
+            "points": self.points_.tolist(),
+            "terms": [[list(part) for part in term] for term in kept],
+        }
+        return super().portable() | {"deviation": deviation}
+
 
 class Linear(Polynomial):
     """Constant and main effects."""

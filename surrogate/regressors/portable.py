@@ -1,6 +1,6 @@
 """Surrogates as plain JSON, to be evaluated without this package.
 
-A description is a dict of `inputs`, in order, and a `model` on coded inputs x.
+A description is a dict of `inputs`, in order, a `model` on coded inputs x and its `error`.
 
 inputs: each has `name`, `unit` and a `coding` of the physical value v::
 
@@ -24,12 +24,29 @@ model, by "kind"::
                / lengths[j])) with columns c, m(r) = (1 + s + s^2 / 3) exp(-s), s = sqrt(5) r;
                `trend` is a list like the polynomial's `terms`
   field        mean + sum_k mode_k * (surrogate k), flattened in C order to `shape`
+
+error of a prediction, by "kind"; of a field a number for each place. A number is null where
+it is not known.
+  own        the model's standard deviation, see below; `quantile_95` times it is half of the
+             95 % interval, Student's with `freedom` (null: normal)
+  left_out   `deviation` and `half_width_95` everywhere, from `freedom` + 1 left-out errors
+
+standard deviation of a new run, of the models that have one
+  polynomial         s sqrt(1 + x' (X'X)^-1 x), `deviation` giving s = `residual_sd`, and X by the
+                     coded `points` of the runs and its `terms`
+  gaussian_process   sqrt(variance max(nugget, 1 + nugget - r' R^-1 r + (f - F' R^-1 r)'
+                     (F' R^-1 F)^-1 (f - F' R^-1 r))) with the correlations r of x and R of the
+                     runs, R_ii = 1 + nugget, and rows f and F of the trend
+  field              root of sum_k (mode_k * deviation k)^2 + left_out^2
 """
 
 from __future__ import annotations
 
 import math
 from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from surrogate.errors import FitError
 from surrogate.regressors.columns import Column
@@ -39,7 +56,14 @@ FORMAT = "surrogate-studies portable surrogate"
 VERSION = 1
 
 
-def describe(space: Space, model: dict[str, Any], *, surrogate: str, output: str) -> dict[str, Any]:
+def describe(
+    space: Space,
+    model: dict[str, Any],
+    error: dict[str, Any],
+    *,
+    surrogate: str,
+    output: str,
+) -> dict[str, Any]:
     """The whole document of one output's surrogate."""
     return {
         "format": FORMAT,
@@ -48,7 +72,16 @@ def describe(space: Space, model: dict[str, Any], *, surrogate: str, output: str
         "output": output,
         "inputs": [_input(parameter) for parameter in space.parameters],
         "model": model,
+        "error": error,
     }
+
+
+def finite(value: ArrayLike) -> Any:
+    """Numbers as JSON has them: lists, null for what is not finite."""
+    numbers = np.asarray(value, dtype=float)
+    known = numbers.astype(object)
+    known[~np.isfinite(numbers)] = None
+    return known.tolist()
 
 
 def described_columns(of: tuple[Column, ...]) -> list[dict[str, Any]]:

@@ -1,0 +1,57 @@
+// A portable surrogate: mean, standard deviation and 95 % interval at coded points.
+import { expansions } from "./chaos.js";
+import { processes } from "./gaussian_process.js";
+import { polynomials } from "./polynomial.js";
+import { inBlocks } from "./sums.js";
+import { studentCdf } from "./student.js";
+
+const KINDS = { polynomial: polynomials, chaos: expansions, gaussian_process: processes };
+
+function combination(models, factors) {
+  if (!models.length) return () => {};
+  return KINDS[models[0].kind](models, factors);
+}
+
+// Of a field (of any shape, flattened in C order) the value at one place: its modes are
+// independent, and what they leave out adds to the variance.
+function atPlace(model, place) {
+  const modes = combination(model.amplitudes, model.modes.map((mode) => mode[place]));
+  return (points, size, mean, variance) => {
+    modes(points, size, mean, variance);
+    for (let i = 0; i < size; i++) {
+      mean[i] += model.mean[place];
+      if (variance) variance[i] += model.left_out[place] ** 2;
+    }
+  };
+}
+
+// The surrogate of a document whose numbers are unpacked; `place` matters to a field only.
+//   predict(points, size, spread)  {mean, deviation, half} of points given as one array (size,)
+//                                  a coordinate; without `spread` only the mean
+//   below(limit, mean, deviation)  probability of a value below the limit, given the error
+export function surrogate(document, place = 0) {
+  const { model, error } = document;
+  const own = error.kind === "own";
+  const at = (value) => (typeof value === "object" && value !== null ? value[place] : value) ?? NaN;
+  const add = model.kind === "field" ? atPlace(model, place) : combination([model], [1]);
+
+  function predict(points, size, spread = true) {
+    const mean = new Float64Array(size);
+    const variance = new Float64Array(spread && own ? size : 0);
+    inBlocks(points, size, (block, count, start) => add(block, count,
+      mean.subarray(start, start + count),
+      variance.length ? variance.subarray(start, start + count) : null));
+    if (!spread) return { mean };
+    const deviation = own ? variance.map(Math.sqrt) : mean.map(() => at(error.deviation));
+    const half = own ? deviation.map((std) => std * (error.quantile_95 ?? NaN))
+      : mean.map(() => at(error.half_width_95));
+    return { mean, deviation, half };
+  }
+
+  function below(limit, mean, deviation) {
+    const scale = own ? deviation : deviation * Math.sqrt(1 + 1 / (error.freedom + 1));
+    return studentCdf((limit - mean) / scale, error.freedom);
+  }
+
+  return { predict, below };
+}
