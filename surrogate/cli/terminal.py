@@ -26,6 +26,7 @@ from surrogate.study.study import Study
 
 def check(study: Study, results: Path) -> Page:
     """Parameters, designs, aliasing, run count, time estimate."""
+    study = study.found(results, spread=False)
     stored, unfound = study.begun(results)
     counts = rundata.counts(stored)
     counts["missing"] += unfound
@@ -133,6 +134,7 @@ def _runs_line(study: Study, stored: xr.Dataset, counts: Mapping[str, int], unfo
 
 def status(study: Study, results: Path) -> Page:
     """Runs done, failed, left; time left; why runs failed."""
+    study = study.recalled(results)
     stored, unfound = study.begun(results)
     counts = rundata.counts(stored)
     counts["missing"] += unfound

@@ -121,6 +121,7 @@ def run(
 
     loaded = _read(study)
     folder = results.folder_of(loaded, results_dir)
+    loaded = loaded.found(folder)
     for sentence in () if fresh else [*loaded.unused, *loaded.damaged(folder)]:
         print(sentence, file=sys.stderr)
     with RunsBar(loaded.name) as bar:

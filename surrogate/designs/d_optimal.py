@@ -12,6 +12,7 @@ import itertools
 
 import numpy as np
 
+from surrogate.designs.design import searching
 from surrogate.designs.requirements import affordable, bounded, choice, whole
 from surrogate.designs.vertices import feasible_candidates
 from surrogate.errors import DesignError
@@ -30,6 +31,24 @@ PASSES = 60
 MOST = 25
 
 
+def checked(
+    space: Space, *, runs: int, model: str = "linear", starts: int = 20, **_: object
+) -> int:
+    """Number of points that these options of `d_optimal` give; raises `DesignError`."""
+    bounded(space, "d_optimal")
+    runs = whole("runs", runs, 1)
+    whole("starts", starts, 1)
+    terms = Model(space, choice("model", model, MODELS))
+    affordable(runs * terms.size, "d_optimal", "lower runs, or use fractional_factorial")
+    if runs < terms.size:
+        raise DesignError(
+            f"runs: {runs} cannot estimate the {terms.size} terms of a {model} model "
+            f"in {space.size} parameters; give at least {terms.size}"
+        )
+    return runs
+
+
+@searching(checked)
 def d_optimal(
     space: Space, *, runs: int, model: str = "linear", starts: int = 20, seed: int | None = None
 ) -> np.ndarray:
@@ -40,15 +59,8 @@ def d_optimal(
     effect-coded columns. The best of `starts` searches. Raises `DesignError` when
     there are fewer runs than terms.
     """
-    bounded(space, "d_optimal")
-    runs, starts = whole("runs", runs, 1), whole("starts", starts, 1)
-    terms = Model(space, choice("model", model, MODELS))
-    affordable(runs * terms.size, "d_optimal", "lower runs, or use fractional_factorial")
-    if runs < terms.size:
-        raise DesignError(
-            f"runs: {runs} cannot estimate the {terms.size} terms of a {model} model "
-            f"in {space.size} parameters; give at least {terms.size}"
-        )
+    runs = checked(space, runs=runs, model=model, starts=starts)
+    terms = Model(space, model)
     rng = np.random.default_rng(seed)
     found = [_search(terms, runs, rng) for _ in range(starts)]
     logs = np.array([log_determinant(terms.matrix(design)) for design in found])

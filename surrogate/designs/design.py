@@ -25,6 +25,8 @@ class Design:
     find      gives the points; a search may take a while
     added     (augmentation, number of rows) in the order of the rows at the end
     searched  True when `find` is a search: its points are kept, and found only for a run
+    spread    of a search: its points all differ and fill the ranges, so that there is nothing
+              to judge before a run but their number
     identity  equal for designs of equal method, options, augmentations and space
     replicates  how often each point stands in the rows
     """
@@ -36,6 +38,7 @@ class Design:
     find: Callable[[], NDArray[np.float64]]
     added: tuple[tuple[str, int], ...] = field(default=())
     searched: bool = False
+    spread: bool = False
     identity: str = ""
     replicates: int = 1
 
@@ -76,15 +79,15 @@ def _repeated(find: Callable[[], NDArray[np.float64]], times: int) -> NDArray[np
     return np.repeat(find(), times, axis=0)
 
 
-def searching(rows: Callable[..., int]) -> Callable[[Method], Method]:
+def searching(rows: Callable[..., int], *, spread: bool = False) -> Callable[[Method], Method]:
     """Marks a design method that searches, so that a study searches once and only for a run.
 
     rows: takes the space and the options of the method, checks them (`DesignError`) and gives
-    the number of points.
+    the number of points. spread: as in `Design`.
     """
 
     def mark(method: Method) -> Method:
-        method.__dict__["rows"] = rows
+        method.__dict__.update(rows=rows, spread=spread)
         return method
 
     return mark

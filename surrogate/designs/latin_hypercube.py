@@ -29,7 +29,7 @@ def checked(
     return runs
 
 
-@searching(checked)
+@searching(checked, spread=True)
 def latin_hypercube(
     space: Space,
     *,

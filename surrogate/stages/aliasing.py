@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
@@ -12,13 +12,10 @@ from surrogate.designs.aliasing import aliasing as of_design
 from surrogate.space.space import Space
 
 
-def aliasing(space: Space, unsearched: Iterable[str], runs: xr.Dataset) -> dict[str, Aliasing]:
-    """Design -> its aliasing, read from the coded points of the runs.
-
-    unsearched: the designs concerned; points that are searched for are no regular fraction.
-    """
+def aliasing(space: Space, runs: xr.Dataset) -> dict[str, Aliasing]:
+    """Design -> its aliasing, read from the coded points of the runs."""
     names, coded = runs["design"].values.astype(str), runs["coded"].values
-    return aliases(space, {name: coded[names == name] for name in unsearched})
+    return aliases(space, {name: coded[names == name] for name in dict.fromkeys(names.tolist())})
 
 
 def aliases(space: Space, points: Mapping[str, np.ndarray]) -> dict[str, Aliasing]:

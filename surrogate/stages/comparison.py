@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Iterable
 
 import xarray as xr
 
@@ -13,15 +13,13 @@ from surrogate.stages.fits import Fits
 TEST = "test"
 
 
-def comparison(
-    designs: Container[str], outputs: Iterable[str], runs: xr.Dataset, fits: Fits
-) -> xr.Dataset | None:
-    """The comparison; None when nothing could be fitted. designs: their names."""
+def comparison(outputs: Iterable[str], runs: xr.Dataset, fits: Fits) -> xr.Dataset | None:
+    """The comparison; None when nothing could be fitted."""
     if not any(fits.values()):
         return None
     test = (
         {output: rundata.training(runs, output, (TEST,)) for output in outputs}
-        if TEST in designs
+        if TEST in runs["design"]
         else None
     )
     return compare(fits, test)

@@ -43,7 +43,8 @@ def jobs(
 
 
 def _job(space: Space, surrogate: Surrogate, output: str, runs: xr.Dataset) -> Job:
-    coded, values = rundata.training(runs, output, surrogate.train)
+    begun = np.intersect1d(surrogate.train, runs["design"].values.astype(str)).tolist()
+    coded, values = rundata.training(runs, output, begun)
     return Job(
         f"{surrogate.name} of {output}",
         fit,

@@ -62,7 +62,7 @@ STAGES = (
         files=_file("study.yaml", str.encode),
         kept=False,
     ),
-    Stage("aliasing", reads=("space", "unsearched"), needs=("runs",), does=aliasing),
+    Stage("aliasing", reads=("space",), needs=("runs",), does=aliasing),
     Stage(
         "failures",
         reads=("space",),
@@ -95,7 +95,7 @@ STAGES = (
     ),
     Stage(
         "comparison",
-        reads=("designs", "outputs"),
+        reads=("outputs",),
         needs=("runs", "fits"),
         does=comparison,
         files=_dataset("comparison.nc"),

@@ -31,11 +31,17 @@ def walk(
     runs = study.stored(folder) if runs is None else runs
     return Walk(
         parts_of(study),
-        {"runs": Given(Result(runs), of_runs(runs)), "cases": _cases(study, folder)},
+        {"runs": _runs(study, folder, runs), "cases": _cases(study, folder)},
         folder,
         workers or study.workers,
         progress,
     )
+
+
+def _runs(study: Study, folder: Path, runs: xr.Dataset) -> Given:
+    """The runs, and which designs have none because their points are not found yet."""
+    lost = tuple(study.to_find(folder))
+    return Given(Result(runs, lost), digest(of_runs(runs), lost) if lost else of_runs(runs))
 
 
 def _cases(study: Study, folder: Path) -> Given:
@@ -70,8 +76,6 @@ def parts_of(study: Study) -> dict[str, Part]:
         "space": part(study.space, "parameters", "correlation", more=described),
         "outputs": part(study.outputs, more=study.outputs),
         "offered": part(study.offered, more=described),
-        "designs": part(tuple(study.designs), more=tuple(study.designs)),
-        "unsearched": part(study.unsearched, more=study.unsearched),
         "surrogates": part(study.surrogates, "surrogates"),
         "deterministic": part(study.spec.deterministic, more=study.spec.deterministic),
         "sensitivity_method": part(

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from surrogate.designs.design import Design
 from surrogate.errors import ResultsError, StudyError
@@ -29,6 +30,9 @@ from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
 from surrogate.space.space import Space
 from surrogate.study.kept_designs import keep, recall
 from surrogate.study.parts import ExecutionPart
+
+#: Random points among those that stand for points not found yet.
+SOME = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,14 +62,17 @@ class AskedRuns:
         stored = [file.runs for file in self.stored_runs]
         return replace(self, designs=recall(self.designs, self.folder, stored, self.spec.solver))
 
-    @cached_property
+    @property
     def at_hand(self) -> AskedRuns:
         """The same without the points of designs that would have to be searched for."""
+        return self._with(np.empty((0, self.space.size)))
+
+    def _with(self, points: NDArray[np.float64]) -> AskedRuns:
+        """The same with these points for each design that would have to be searched for."""
         if all(design.at_hand for design in self.designs.values()):
             return self
-        none = np.empty((0, self.space.size))
         designs = {
-            name: design if design.at_hand else design.with_points(none)
+            name: design if design.at_hand else design.with_points(points)
             for name, design in self.designs.items()
         }
         return replace(self, designs=designs)
@@ -106,10 +113,14 @@ class AskedRuns:
         return storing.match(files, self.spec, self.calls, self.keys, wanted)
 
     def unused(self) -> Iterator[tuple[int, str]]:
-        """Number and a sentence of each stored file that holds none of the runs."""
+        """Number and a sentence of each stored file that holds none of the runs.
+
+        Points that are not found yet may be any of the space, those of the file included.
+        """
         for index, file in enumerate(self.stored_runs):
-            if not self.at_hand.matching([file]).records and not self.matching([file]).records:
-                why = storing.first_difference(file, self.spec, self.calls, self.outputs)
+            asked = self._with(_imagined(self.space, file)) if self.waiting else self
+            if not asked.matching([file]).records:
+                why = storing.first_difference(file, self.spec, asked.calls, self.outputs)
                 yield index, f"no run in '{file.name}' is one of this study's: {why}"
 
     def dataset(self) -> xr.Dataset:
@@ -203,3 +214,20 @@ class AskedRuns:
         return [
             journal for journal in sorted(own.parent.parent.glob("*/journal")) if journal != own
         ]
+
+
+def _imagined(space: Space, file: StoredRuns) -> NDArray[np.float64]:
+    """Random coded points (run, parameter), then those of a stored file that lie in the space."""
+    some = space.sample(SOME, seed=0)
+    known = [
+        call
+        for call in file.run_inputs
+        if all(
+            call.get(p.name) in p.levels if p.categorical else isinstance(call.get(p.name), float)
+            for p in space.parameters
+        )
+    ]
+    if not known:
+        return some
+    coded = space.encode({name: np.array([call[name] for call in known]) for name in space.names})
+    return np.vstack([some, coded[space.contains(coded)]])

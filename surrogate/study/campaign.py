@@ -68,7 +68,8 @@ class Campaign:
 
     def __init__(self, study: Study | str | Path, *, results: Path | str | None = None):
         self.study = study if isinstance(study, Study) else Study.from_yaml(study)
-        self._runs = self.study.asked(None if results is None else Path(results))
+        folder = None if results is None else Path(results)
+        self._runs = self.study.found(folder).asked(folder)
         self._wanted = self.study.spec.wanted(self.study.outputs)
         keep(self._runs.designs, self._runs.folder)
         self._journal = Journal(self._runs.journal).__enter__()

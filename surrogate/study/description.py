@@ -105,13 +105,12 @@ class Description:
 
     @property
     def aliases(self) -> dict[str, Aliasing]:
-        """What is confounded with what, for each design that is a regular two-level fraction."""
-        return aliases(self.space, {name: self.designs[name].coded for name in self.unsearched})
+        """What is confounded with what, for each design that is a regular two-level fraction.
 
-    @property
-    def unsearched(self) -> tuple[str, ...]:
-        """Designs whose points follow from a construction and not from a search."""
-        return tuple(name for name, design in self.designs.items() if not design.searched)
+        Of designs whose points would have to be searched for first nothing is known.
+        """
+        designs = self.designs.items()
+        return aliases(self.space, {name: one.coded for name, one in designs if one.at_hand})
 
     @property
     def broken_constraints(self) -> dict[str, dict[str, int]]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from surrogate.errors import StudyError
 from surrogate.execution.progress import Progress
 from surrogate.execution.rerun import STATUSES
 from surrogate.execution.shared.work import Shared
@@ -91,6 +92,26 @@ class Study(Description):
         """What `asked` gave for each folder, so that points and keys are found once."""
         return {}
 
+    def recalled(self, results: Path | None = None) -> Study:
+        """The same with the points of its designs that an earlier run found."""
+        designs = self.asked(results).designs
+        return self if designs is self.designs else replace(self, designs=designs)
+
+    def found(self, results: Path | None = None, *, spread: bool = True) -> Study:
+        """The same with the points of its designs, searched for where no earlier run did.
+
+        spread: also of designs of which nothing but the number of points can be wrong.
+        Raises `StudyError` for a design that cannot be had or is too small for a surrogate.
+        """
+        study = self.recalled(results)
+        sought = [d for d in study.designs.values() if not d.at_hand and (spread or not d.spread)]
+        mistakes = reading.searched(sought)
+        if sought and not mistakes:
+            mistakes = list(reading.too_small(self.surrogates.values(), study.designs, self.space))
+        if mistakes:
+            raise StudyError(*reading.sentences(self.source, mistakes))
+        return study
+
     def journal(self, results: Path | None = None) -> Path:
         """Where finished runs are written down."""
         return (results or self.folder) / "journal"
@@ -98,17 +119,27 @@ class Study(Description):
     def stored(self, results: Path | None = None) -> xr.Dataset:
         """The runs dataset as far as the journal and the stored files go; the rest is 'missing'.
 
-        Its attribute `stored` tells how many runs came from which stored file, `damaged` has
-        a sentence for each damaged record of the journal.
+        Designs whose points no run has searched for yet have no rows. The attribute `stored`
+        tells how many runs came from which stored file, `damaged` has a sentence for each
+        damaged record of the journal.
         """
-        return self.asked(results).dataset()
+        return self.begun(results)[0]
+
+    def to_find(self, results: Path | None = None) -> list[str]:
+        """A sentence for each design that has no rows yet, because no run has searched for it."""
+        return [
+            f"design {name}: its {one.rows} points are not found yet, and none of its runs is "
+            "done; do `surrogate run`"
+            for name, one in self.asked(results).designs.items()
+            if not one.at_hand
+        ]
 
     def damaged(self, results: Path | None = None) -> list[str]:
         """A sentence for each damaged record of the journal."""
         return read_journal(self.journal(results)).told
 
     def begun(self, results: Path | None = None) -> tuple[xr.Dataset, int]:
-        """What `stored` gives of the designs whose points are at hand, and runs of the others.
+        """What `stored` gives, and the number of runs of designs that have no rows there.
 
         No run of a design is done before its points are found, so counting needs no search.
         """
@@ -117,7 +148,10 @@ class Study(Description):
 
     @property
     def unused(self) -> list[str]:
-        """A sentence for each stored file that holds no run of this study: what differs first."""
+        """A sentence for each stored file that holds no run of this study: what differs first.
+
+        A file that may hold runs of a design without points is left out.
+        """
         found = self.asked().unused()
         return [self.source.sentence(("stored", index), sentence) for index, sentence in found]
 
@@ -141,7 +175,7 @@ class Study(Description):
         nothing over; old records count until all is done, and an interrupted call is resumed
         by repeating it.
         """
-        asked = self.asked(results)
+        asked = self.found(results).asked(results)
         asked.do(
             self.execution,
             workers=workers,
@@ -166,7 +200,7 @@ class Study(Description):
 
     def compare(self, fits: Fits, runs: xr.Dataset) -> xr.Dataset | None:
         """All surrogates side by side, on common folds and on the test design if there is one."""
-        return comparison(self.designs, self.outputs, runs, fits)
+        return comparison(self.outputs, runs, fits)
 
     def best(self, table: xr.Dataset | None) -> dict[str, str]:
         """Best surrogate of each output, by the comparison."""
@@ -272,7 +306,7 @@ class Study(Description):
             sensitivity=indices,
             screening=screening,
             validation=validation,
-            aliasing=aliasing(self.space, self.unsearched, runs),
+            aliasing=aliasing(self.space, runs),
             failures=failures(self.space, runs),
             replicates=replicates(self.outputs, self.spec.deterministic, runs),
             reduced_study=reduced,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import zlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from surrogate.designs.design import Design
 from surrogate.designs.requirements import uncut
-from surrogate.errors import KeyPath, PluginError
+from surrogate.errors import DesignError, KeyPath, Mistake, PluginError
 from surrogate.runs.identity import canonical
 from surrogate.solver import Solver
 from surrogate.space.space import Space
@@ -31,7 +31,8 @@ GIVEN_TO_DESIGNS = ("space", "coded", "folder")
 def designs_of(reading: Reading, space: Space | None) -> dict[str, Design]:
     """Every design; those that are no search with their points, augmentations included.
 
-    Without a space, methods and options are checked all the same.
+    Of a search the options are checked and the points counted. Without a space, methods and
+    options are checked all the same.
     """
     designs = {}
     for name, part in reading.part.designs.items():
@@ -58,6 +59,17 @@ def replicated(
     elif times > 1 and getattr(solver, "recorded", False):
         reading.wrong("the replicates of a table are its rows; leave this out", "replicates")
     return {n: one.repeated(times) if times > 1 else one for n, one in designs.items()}
+
+
+def searched(designs: Iterable[Design]) -> list[Mistake]:
+    """Searches for the points of the designs; why those that cannot be had cannot."""
+    mistakes = []
+    for design in designs:
+        try:
+            _ = design.coded
+        except (DesignError, PluginError) as error:
+            mistakes.append(Mistake(("designs", design.name), str(error)))
+    return mistakes
 
 
 def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) -> Design | None:
@@ -91,6 +103,7 @@ def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) 
             partial(_all_points, space, names, methods),
             added,
             searched=True,
+            spread=getattr(methods[0].func, "spread", False),
             identity=_identity(
                 space, names, [options, *(method.keywords for method in methods[1:])]
             ),

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from surrogate.designs.design import Design
-from surrogate.errors import StudyError, nearest
+from surrogate.errors import Mistake, StudyError, nearest
 from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
 from surrogate.sensitivity.independence import spoilt
@@ -37,7 +37,9 @@ def surrogates_of(
         found = _surrogate(reading, name, part, designs)
         if found is not None:
             surrogates[name] = found
-            _check_training(reading, found, designs, space)
+            _check_training(reading, found, designs)
+    if space is not None:
+        reading.add(too_small(surrogates.values(), designs, space))
     return surrogates
 
 
@@ -67,9 +69,7 @@ def _training(part: SurrogatePart, designs: Mapping[str, Design]) -> tuple[str, 
     return part.train if "train" in part.model_fields_set or not usual else usual
 
 
-def _check_training(
-    reading: Reading, surrogate: Surrogate, designs: Mapping[str, Design], space: Space | None
-) -> None:
+def _check_training(reading: Reading, surrogate: Surrogate, designs: Mapping[str, Design]) -> None:
     path = ("surrogates", surrogate.name)
     for name in surrogate.train:
         if (
@@ -91,22 +91,29 @@ def _check_training(
             *path,
             "train",
         )
-    if space is None or any(name not in designs for name in surrogate.train):
-        return
-    points = _different([designs[name] for name in surrogate.train])
-    needed = minimum_runs(surrogate.estimator, space)
-    if points < needed:
-        reading.wrong(
-            f"{surrogate.method} has {needed} coefficients to find in {space.size} "
-            f"parameters, but {', '.join(surrogate.train)} has {points} different "
-            "points; use a larger design or a smaller surrogate",
-            *path,
-            on_key=True,
-        )
+
+
+def too_small(
+    surrogates: Iterable[Surrogate], designs: Mapping[str, Design], space: Space
+) -> Iterator[Mistake]:
+    """A mistake for each surrogate with more coefficients than training points."""
+    for one in surrogates:
+        if any(name not in designs for name in one.train):
+            continue
+        points = _different([designs[name] for name in one.train])
+        needed = minimum_runs(one.estimator, space)
+        if points < needed:
+            yield Mistake(
+                ("surrogates", one.name),
+                f"{one.method} has {needed} coefficients to find in {space.size} "
+                f"parameters, but {', '.join(one.train)} has {points} different "
+                "points; use a larger design or a smaller surrogate",
+                on_key=True,
+            )
 
 
 def _different(designs: Sequence[Design]) -> int:
-    """Number of different points; those of a search differ from each other."""
+    """Number of different points, at most; those that are not searched for yet may differ."""
     there = [design.coded for design in designs if design.at_hand]
     sought = sum(one.rows // one.replicates for one in designs if not one.at_hand)
     return sought + (len(np.unique(np.vstack(there), axis=0)) if there else 0)

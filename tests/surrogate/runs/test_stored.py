@@ -133,7 +133,7 @@ CHANGED = {
 @pytest.mark.parametrize("changes, words", CHANGED.values(), ids=CHANGED)
 def test_runs_that_do_not_fit_are_named_with_the_first_difference(place, changes, words):
     """A stored file without a run of this study: a sentence at its place, and all is missing."""
-    study = write(place, **changes)
+    study = write(place, **changes).found(place / "none")
     (sentence,) = study.unused
     line = study.text[: study.text.index("stored:")].count("\n") + 1
     assert sentence.startswith(f"{place / 'study.yaml'}:{line}:9: no run in 'runs/shipped.nc'")
