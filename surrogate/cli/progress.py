@@ -25,13 +25,14 @@ A_LINE = 60.0
 
 
 class RunsBar:
-    """Shows a `Tally` after each run: a bar on a terminal, else a line a minute and a tenth.
+    """Shows a `Tally` after each run: a bar on a terminal, else the first, the last and a line a
+    minute.
 
     Use as `with RunsBar(name) as bar: execute(..., progress=bar)`.
     """
 
     def __init__(self, name: str, clock: Callable[[], float] = time.monotonic):
-        self.console, self.clock, self.said = Console(stderr=True), clock, clock()
+        self.console, self.minutes = Console(stderr=True), Minutes(clock)
         self.bar = Progress(
             TextColumn(name),
             BarColumn(),
@@ -42,7 +43,6 @@ class RunsBar:
             disable=not self.console.is_terminal,
         )
         self.task: TaskID | None = None
-        self.tenth = -1
         self.finishing = False
 
     def __enter__(self) -> RunsBar:
@@ -53,6 +53,7 @@ class RunsBar:
 
     def __call__(self, tally: Tally) -> None:
         """Show how far the runs are."""
+        first = self.task is None
         if self.task is None:
             self.task = self.bar.add_task("runs", total=tally.total, note="")
             self.bar.start()
@@ -64,11 +65,22 @@ class RunsBar:
                 soft_wrap=True,
                 highlight=False,
             )
-        tenth = 10 * tally.done // max(tally.total, 1)
-        due = self.clock() - self.said >= A_LINE and tally.done < tally.total
-        if self.bar.disable and (tenth != self.tenth or due):
-            self.tenth, self.said = tenth, self.clock()
+        if self.bar.disable and (self.minutes.due() or first or tally.done == tally.total):
             print(f"{tally.done}/{tally.total} runs {_note(tally)}".rstrip(), file=sys.stderr)
+
+
+class Minutes:
+    """Says when a minute has passed since it said so last, or since it was made."""
+
+    def __init__(self, clock: Callable[[], float]):
+        self.clock, self.said = clock, clock()
+
+    def due(self) -> bool:
+        """Whether a line may be printed again."""
+        if self.clock() - self.said < A_LINE:
+            return False
+        self.said = self.clock()
+        return True
 
 
 class StagesBar:
@@ -80,7 +92,7 @@ class StagesBar:
 
     def __init__(self, name: str, clock: Callable[[], float] = time.monotonic):
         console = Console(stderr=True)
-        self.name, self.clock, self.said = name, clock, clock()
+        self.name, self.minutes = name, Minutes(clock)
         self.bar = Progress(
             SpinnerColumn(),
             TextColumn(name),
@@ -91,6 +103,7 @@ class StagesBar:
             disable=not console.is_terminal,
         )
         self.task: TaskID | None = None
+        self.job = ("", "")
 
     def __enter__(self) -> StagesBar:
         self.bar.start()
@@ -102,21 +115,24 @@ class StagesBar:
     def __call__(self, step: Step) -> None:
         """Show what is done now."""
         text = _said(step)
-        if self.task is not None:
-            self.bar.remove_task(self.task)
-        self.task = self.bar.add_task(text)
-        if self.bar.disable and self.clock() - self.said >= A_LINE:
-            self.said = self.clock()
+        if self.task is not None and self.job == (step.stage, step.label):
+            self.bar.update(self.task, description=text)
+        else:
+            if self.task is not None:
+                self.bar.remove_task(self.task)
+            self.task, self.job = self.bar.add_task(text), (step.stage, step.label)
+        if self.bar.disable and self.minutes.due():
             print(f"{self.name}: {text}", file=sys.stderr)
 
 
 def _said(step: Step) -> str:
-    """`fits: gp of flow (3 of 8), 12 s left`."""
+    """`fits: gp of flow (3 of 8), fold 2 of 10, 12 s left`."""
     stage = step.stage.replace("_", " ")
     if not step.label:
         return stage
     left = f", {duration(step.seconds_left)} left" if step.seconds_left is not None else ""
-    return f"{stage}: {step.label} ({step.done + 1} of {step.total}){left}"
+    part = f", {step.part}" if step.part else ""
+    return f"{stage}: {step.label} ({step.done + 1} of {step.total}){part}{left}"
 
 
 def _waited_for(runs: int) -> str:

@@ -26,6 +26,7 @@ from sklearn.base import clone
 from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import FunctionTransformer
 
+from surrogate.counting import counting
 from surrogate.errors import FitError
 from surrogate.estimator import Array, HasStd, Regressor, has_minimum, is_portable, leaves_out
 from surrogate.regressors import portable
@@ -196,26 +197,20 @@ def fit(
     points, outputs = _points(coded, space), np.asarray(values, dtype=float)
     prepared = prepare(estimator, space, seed=seed, field=outputs.ndim > 1)
     _check(space, points, outputs, prepared, surrogate, output)
-    start = time.perf_counter()
-    try:
-        fitted = clone(prepared).fit(points, outputs)
-    except (ValueError, np.linalg.LinAlgError) as error:
-        raise FitError(
-            f"surrogate '{surrogate}' cannot be fitted to '{output}': {error}"
-        ) from error
-    seconds = time.perf_counter() - start
     groups = point_folds(points, seed=seed)
-    return Fit(
-        surrogate,
-        output,
-        space,
-        fitted,
-        points,
-        outputs,
-        groups,
-        _left_out(fitted, prepared, points, outputs, groups),
-        seconds,
-    )
+    closed = leaves_out(prepared)
+    with counting(2 if closed else 1 + int(groups.max()) + 1) as begin:
+        begin("")
+        start = time.perf_counter()
+        try:
+            fitted = clone(prepared).fit(points, outputs)
+        except (ValueError, np.linalg.LinAlgError) as error:
+            raise FitError(
+                f"surrogate '{surrogate}' cannot be fitted to '{output}': {error}"
+            ) from error
+        seconds = time.perf_counter() - start
+        left_out = _left_out(fitted, prepared, points, outputs, groups, begin)
+    return Fit(surrogate, output, space, fitted, points, outputs, groups, left_out, seconds)
 
 
 def prepare(estimator: Regressor, space: Space, *, seed: int = 0, field: bool = False) -> Regressor:
@@ -278,14 +273,25 @@ def rmse(values: ArrayLike, predictions: ArrayLike) -> float:
 
 
 def _left_out(
-    fitted: Regressor, prepared: Regressor, coded: Array, values: Array, groups: Numbers
+    fitted: Regressor,
+    prepared: Regressor,
+    coded: Array,
+    values: Array,
+    groups: Numbers,
+    begin: Callable[[str], None],
 ) -> Array:
-    """Predictions by fits without each fold: the estimator's closed form, or refits."""
+    """Predictions by fits without each fold: the estimator's closed form, or refits.
+
+    begin: told which fold is at hand, see `counting`
+    """
     if leaves_out(fitted):
+        begin("")
         return np.asarray(fitted.leave_out(groups))
     refit = fitted.refitted if isinstance(fitted, Field) else None
     result = np.full(values.shape, np.nan)
-    for group in np.unique(groups):
+    numbers = np.unique(groups)
+    for number, group in enumerate(numbers, start=1):
+        begin(f"fold {number} of {len(numbers)}")
         inside = groups == group
         try:
             rest = (refit or clone(prepared).fit)(coded[~inside], values[~inside])

@@ -18,6 +18,7 @@ from sklearn.base import BaseEstimator, RegressorMixin, clone
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
 
+from surrogate.counting import counted
 from surrogate.estimator import (
     Array,
     Groups,
@@ -68,7 +69,9 @@ class Field(RegressorMixin, BaseEstimator):
         if fits_many(self.estimator) and amplitudes.size:
             self.estimators_ = clone(self.estimator).fit_many(X, amplitudes)
         else:
-            self.estimators_ = [clone(self.estimator).fit(X, own) for own in amplitudes.T]
+            self.estimators_ = [
+                clone(self.estimator).fit(X, own) for own in counted("mode", list(amplitudes.T))
+            ]
         self.n_features_in_ = np.shape(X)[1]
         return self
 
@@ -174,7 +177,9 @@ class Field(RegressorMixin, BaseEstimator):
         asked = None if groups is None else tuple(map(tuple, groups))
         if asked not in self.found_:
             given = () if asked is None else (asked,)  # a regressor need not know groups
-            self.found_[asked] = [model.sobol_indices(*given) for model in self.estimators_]
+            self.found_[asked] = [
+                model.sobol_indices(*given) for model in counted("mode", self.estimators_)
+            ]
         return self.found_[asked]
 
     def _summed(self, modes: Sequence[SobolIndices], groups: Groups | None) -> SobolIndices:

@@ -18,6 +18,7 @@ from scipy import linalg
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from surrogate.counting import counted
 from surrogate.errors import nearest
 from surrogate.estimator import Groups
 from surrogate.regressors import anova, paths, portable
@@ -200,7 +201,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         posterior = Posterior(points, self._checked_trend(points), y[chosen])
         search = Search(posterior, self._bounds())
         search.judge(start)
-        for output in range(leading):
+        for output in counted("mode", range(leading)):
             search.descend(output, starts, end)
         return search.found()
 
@@ -289,7 +290,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         if self.scale_ == 0.0 or len(self.points_) > REFIT:
             return self._closed(folds)
         result = np.full(len(folds), np.nan)
-        for fold in np.unique(folds):
+        for fold in counted("fold", np.unique(folds).tolist()):
             inside = folds == fold
             try:
                 result[inside] = self._without(inside)

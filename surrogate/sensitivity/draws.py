@@ -41,6 +41,7 @@ from typing import Protocol
 import numpy as np
 from sklearn.base import clone
 
+from surrogate.counting import counted
 from surrogate.errors import FitError
 from surrogate.estimator import (
     Array,
@@ -180,7 +181,7 @@ def _posterior(
         first = drawn[0]
         if measure.closed or not is_path(first):
             fitted = measure.of(estimator)
-            return [_moved(measure.of(draw), fitted) for draw in drawn]
+            return [_moved(measure.of(draw), fitted) for draw in counted("draw", drawn)]
         functions = partial(_all_paths, first.paths)
     elif has_samples(estimator):
         functions = partial(estimator.sample_y, n_samples=size, random_state=integer_seed(seed))
@@ -222,7 +223,7 @@ def _student(
     """Least squares refits whose coefficients are t distributed about the fitted ones."""
     prediction = learnt.estimator.predict(learnt.coded)
     squares = float(((learnt.values - prediction) ** 2).sum())
-    for _ in range(size):
+    for _ in counted("refit", range(size)):
         deviation = np.sqrt(squares / generator.chisquare(freedom))
         noise = deviation * generator.standard_normal(len(prediction))
         yield clone(learnt.estimator).fit(learnt.coded, prediction + noise)
@@ -230,7 +231,7 @@ def _student(
 
 def _pairs(learnt: Learnt, size: int, generator: np.random.Generator) -> Iterator[Regressor]:
     """Refits to runs drawn with replacement; resamples that support no fit are drawn again."""
-    for _ in range(size):
+    for _ in counted("refit", range(size)):
         for _ in range(PATIENCE):
             chosen = generator.integers(len(learnt.coded), size=len(learnt.coded))
             try:

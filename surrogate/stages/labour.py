@@ -10,39 +10,50 @@ import multiprocessing.process
 import os
 import signal
 import threading
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
+from functools import partial
 from pickle import PicklingError
 
 from threadpoolctl import threadpool_limits
 
+from surrogate.counting import Reached, listening
 from surrogate.errors import SurrogateError
+from surrogate.stages.board import Board
 from surrogate.stages.stage import Job, Result
+
+Hear = Callable[[Reached], None]
 
 #: Other processes take about this long to start, in s; shorter work is not worth them.
 PATIENCE = 1.5
+#: Seconds between two looks at how far another process is.
+LOOK = 0.5
 
 
-def do(job: Job) -> Result:
-    """The job's result; what could not be done is a sentence."""
+def do(job: Job, hear: Hear = lambda part: None) -> Result:
+    """The job's result; what could not be done is a sentence. hear: told how far it is."""
     try:
-        return Result(job.function(**job.arguments))
+        with listening(hear):
+            return Result(job.function(**job.arguments))
     except SurrogateError as error:
         return Result(None, (str(error),))
 
 
-def carry_out(jobs: Sequence[Job], workers: int = 1) -> Iterator[tuple[Job, Result]]:
+def carry_out(
+    jobs: Sequence[Job], workers: int = 1, hear: Hear = lambda part: None
+) -> Iterator[tuple[Job, Result]]:
     """Each job with its result, in order.
 
     workers: processes, this one included. The others start when the jobs have taken
-    `PATIENCE`, and end with the last job or with a Ctrl-C.
+    `PATIENCE`, and end with the last job or with a Ctrl-C. hear: told how far the job is
+    that comes next, whoever does it.
     """
     helpers = _Helpers(jobs, workers) if workers > 1 and len(jobs) > 1 else None
     try:
         for job in jobs:
-            yield job, (helpers.result(job) if helpers else do(job))
+            yield job, (helpers.result(job, hear) if helpers else do(job, hear))
     finally:
         if helpers:
             helpers.end()
@@ -53,6 +64,7 @@ class _Helpers:
 
     def __init__(self, jobs: Sequence[Job], workers: int):
         self.jobs, self.workers = list(jobs), min(workers, len(jobs))
+        self.board = Board([job.label for job in jobs])
         self.futures: dict[str, Future[Result]] = {}
         self.pool: ProcessPoolExecutor | None = None
         self.lock = threading.RLock()
@@ -65,7 +77,7 @@ class _Helpers:
         context = multiprocessing.get_context("spawn")
         with self.lock, _ctrl_c_is_for_the_parent():
             if self.jobs:
-                self.pool = ProcessPoolExecutor(self.workers - 1, context, _begin)
+                self.pool = ProcessPoolExecutor(self.workers - 1, context, _begin, (self.board,))
             for _ in range(self.workers - 1):
                 self._hand_out()
 
@@ -77,18 +89,22 @@ class _Helpers:
                 self.futures[self.jobs.pop().label] = future
                 future.add_done_callback(lambda _: self._hand_out())
 
-    def result(self, job: Job) -> Result:
+    def result(self, job: Job, hear: Hear) -> Result:
         """The job's result: from the process that has taken it, or done here."""
         with self.lock:
             future = self.futures.get(job.label)
             if future is None:
                 self.jobs.remove(job)
         if future is None:
-            return do(job)
+            return do(job, hear)
+        while not wait([future], LOOK).done:
+            part = self.board.read(job.label)
+            if part is not None:
+                hear(part)
         try:
             return future.result()
         except (BrokenProcessPool, PicklingError, AttributeError, TypeError, ImportError):
-            return do(job)  # a process was lost, or the job cannot be sent to one
+            return do(job, hear)  # a process was lost, or the job cannot be sent to one
 
     def end(self) -> None:
         """Stop the timer and the processes, whatever they are at."""
@@ -104,13 +120,19 @@ class _Helpers:
                     process.kill()
 
 
+#: Where a process of the pool writes how far its job is.
+_board: Board | None = None
+
+
 def _do_alone(job: Job) -> Result:
     with threadpool_limits(1):
-        return do(job)
+        return do(job, partial(_board.write, job.label)) if _board else do(job)
 
 
-def _begin() -> None:
+def _begin(board: Board) -> None:
     """Start of a process: it ends when its parent does, even by kill -9."""
+    global _board
+    _board = board
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent,), daemon=True).start()

@@ -92,10 +92,11 @@ class Given:
 
 @dataclass(frozen=True)
 class Step:
-    """What the walk is at: a job of a stage has begun, or (`label` empty) the stage is done.
+    """What the walk is at: a job of a stage, or (`label` empty) the stage is done.
 
     done, total   jobs of the stage
     seconds_left  of this stage, None when unknown
+    part          of the job, such as "fold 3 of 10"; empty when it has just begun
     """
 
     stage: str
@@ -103,3 +104,4 @@ class Step:
     done: int = 0
     total: int = 1
     seconds_left: float | None = field(default=None)
+    part: str = ""

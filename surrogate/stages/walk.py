@@ -14,6 +14,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from surrogate.counting import Reached
 from surrogate.stages import kept, written
 from surrogate.stages.digest import digest, environment
 from surrogate.stages.labour import carry_out
@@ -160,10 +161,19 @@ class Walk:
         return gathered
 
     def _carried_out(self, name: str, jobs: list[Job]) -> Iterator[tuple[Job, Result]]:
-        """Each job with its result; says which one it waits for."""
-        start, done = time.monotonic(), carry_out(jobs, self.workers)
-        for k, job in enumerate(jobs):
-            left = (time.monotonic() - start) / k * (len(jobs) - k) if k else None
-            self.progress(Step(name, job.label, k, len(jobs), left))
-            yield next(done)
+        """Each job with its result; says which one it waits for, and how far that is."""
+        start = time.monotonic()
+        done: list[Job] = []
+
+        def hear(reached: Reached) -> None:
+            k, total = len(done), len(jobs)
+            share = k + reached.share
+            left = (time.monotonic() - start) / share * (total - share) if share else None
+            self.progress(Step(name, jobs[k].label, k, total, left, reached.text))
+
+        going = carry_out(jobs, self.workers, hear)
+        for job in jobs:
+            hear(Reached("", 0.0))
+            yield next(going)
+            done.append(job)
         self.progress(Step(name, done=len(jobs), total=len(jobs)))

@@ -1,6 +1,7 @@
 """What is said of an analysis that goes on."""
 
-from surrogate.cli.progress import StagesBar
+from surrogate.cli.progress import RunsBar, StagesBar
+from surrogate.execution.progress import Progress
 from surrogate.stages.stage import Step
 
 
@@ -17,3 +18,34 @@ def test_a_line_a_minute_where_there_is_no_terminal(capsys):
         bar(Step("reduced_study"))
     said = capsys.readouterr().err.splitlines()
     assert said == ["mine: fits: gp of flow (2 of 3), 90 s left", "mine: reduced study"]
+
+
+def test_the_part_of_a_job_is_told(capsys):
+    """Fold and mode with the time left, a line a minute however often it is told."""
+    now = [0.0]
+    with StagesBar("mine", clock=lambda: now[0]) as bar:
+        bar(Step("fits", "gp of field", 1, 3))
+        for second in range(180):
+            now[0] = second + 0.5
+            part = f"fold {second // 18 + 1} of 10, mode 2 of 7"
+            bar(Step("fits", "gp of field", 1, 3, 270.0 - second, part))
+    assert capsys.readouterr().err.splitlines() == [
+        "mine: fits: gp of field (2 of 3), fold 4 of 10, mode 2 of 7, 4 min left",
+        "mine: fits: gp of field (2 of 3), fold 7 of 10, mode 2 of 7, 2 min left",
+    ]
+
+
+def test_runs_are_told_first_last_and_once_a_minute(capsys):
+    """Ten runs in a second are two lines, and hours of runs a line a minute."""
+    now = [0.0]
+    with RunsBar("mine", clock=lambda: now[0]) as bar:
+        for done in range(11):
+            now[0] = done / 10
+            bar(Progress(10, done=done))
+    assert capsys.readouterr().err.splitlines() == ["0/10 runs", "10/10 runs"]
+    with RunsBar("mine", clock=lambda: now[0]) as bar:
+        for done in range(8):
+            now[0] += 25.0
+            bar(Progress(7, done=done))
+    said = [line.split("/")[0] for line in capsys.readouterr().err.splitlines()]
+    assert said == ["0", "2", "5", "7"]

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from surrogate import counting
 from surrogate.runs import dataset as rundata
 from surrogate.stages import kept, labour
 from surrogate.stages.digest import digest, of_object
@@ -244,3 +245,30 @@ def test_a_result_that_cannot_be_pickled_is_not_kept(tmp_path):
     assert kept.load(path, "made") == Result(1) and kept.load(path, "other") is None
     kept.save(path, "made", Result(unsendable()))
     assert kept.load(path, "made") is None
+
+
+def told_then_waited(ready, go):
+    """Tells that it is in the second of three parts, and ends when `go` is there."""
+    counting.PAUSE = 0.0
+    for k in counting.counted("part", range(3)):
+        while k == 1 and not go.exists():
+            ready.touch()
+
+
+def test_other_processes_tell_how_far_they_are(tmp_path, monkeypatch):
+    """The part of a job in another process is told while it is waited for."""
+    monkeypatch.setattr(labour, "PATIENCE", 0.0)
+    monkeypatch.setattr(labour, "LOOK", 0.01)
+    ready, go = tmp_path / "ready", tmp_path / "go"
+    jobs = [
+        Job("waits", slow_square, {"number": 3, "wait": [ready]}),
+        Job("tells", told_then_waited, {"ready": ready, "go": go}),
+    ]
+
+    def hear(part):
+        if part.text == "part 2 of 3":
+            assert part.share == pytest.approx(1 / 3, abs=1e-6)
+            go.touch()
+
+    found = [result for _, result in labour.carry_out(jobs, workers=2, hear=hear)]
+    assert found == [Result(9), Result(None)]
