@@ -1,6 +1,6 @@
 """What a section of the page is made of: sentences, tables, figures and folded parts.
 
-Plain text everywhere; the template escapes it. Only drawings arrive as markup.
+Plain text everywhere; the template escapes it. Only the marks of plots are markup.
 """
 
 from __future__ import annotations
@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from markupsafe import Markup
+from surrogate.report import digits
+from surrogate.report.plot import Plot
 
 
 @dataclass(frozen=True)
@@ -58,13 +59,25 @@ class Table:
     wide: bool = False
     kind: str = field(default="table", init=False)
 
+    @property
+    def aligned(self) -> list[tuple[str, ...]]:
+        """The words of the rows; in columns of plain numbers the decimal points line up."""
+        columns = [
+            digits.aligned([row[k].words for row in self.rows])
+            if head.numeric
+            else [row[k].words for row in self.rows]
+            for k, head in enumerate(self.heads)
+        ]
+        return list(zip(*columns, strict=True))
+
 
 @dataclass(frozen=True)
 class Figure:
-    """A drawing and the sentence under it."""
+    """A plot, the sentence under it, and the question above it that it answers."""
 
-    drawing: Markup
+    plot: Plot
     caption: str
+    question: str = ""
     wide: bool = False
     stamp: str = ""
 
@@ -97,20 +110,34 @@ class Listing:
 
 
 @dataclass(frozen=True)
-class Fact:
-    """One line of the answer: a question, its short answer and the reason."""
+class Verdict:
+    """What the study says of one output: a row of the first table, a sentence, three figures.
 
-    question: str
-    answer: str
-    because: str = ""
+    surrogate  the best one
+    q2, error  as printed; `poor` when the predictions are rough
+    matters    the leading inputs in words
+    shares     sizes of the inputs' indices in the order of the study, largest 1
+    sentence   the answer, without the name of the output, which stands before it
+    """
+
+    output: str
+    anchor: str
+    sentence: str
+    surrogate: str = ""
+    q2: str = ""
+    error: str = ""
+    poor: bool = False
+    matters: str = ""
+    shares: tuple[tuple[str, float], ...] = ()
+    figures: tuple[Figure, ...] = ()
 
 
 @dataclass(frozen=True)
-class Facts:
-    """The answers side by side."""
+class Answer:
+    """The verdicts of all outputs, of which one is looked at."""
 
-    items: tuple[Fact, ...]
-    kind: str = field(default="facts", init=False)
+    verdicts: tuple[Verdict, ...]
+    kind: str = field(default="answer", init=False)
 
 
 @dataclass(frozen=True)
@@ -123,7 +150,7 @@ class Heading:
 
 
 #: What stands in a section; the template draws each by its `kind`.
-Block = Text | Points | Table | Figures | Fold | Listing | Facts | Heading
+Block = Text | Points | Table | Figures | Fold | Listing | Answer | Heading
 
 
 @dataclass(frozen=True)

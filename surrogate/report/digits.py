@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TypeGuard
 
 import numpy as np
@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 MINUS = "\N{MINUS SIGN}"
 THIN = "\N{NARROW NO-BREAK SPACE}"
 NOTHING = "\N{EN DASH}"
+FIGURE_SPACE, POINT_SPACE = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"
 #: What is printed: a number, or None where there is none.
 Number = float | np.floating | None
+_PLAIN = re.compile(rf"{MINUS}?[\d{THIN}]+(\.\d+)?")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -68,6 +70,25 @@ def column(values: ArrayLike, digits: int = 3) -> list[str]:
         return [figure(value, digits + 1) for value in values]
     decimals = decimals_of(values, digits)
     return [fixed(value, decimals) for value in values]
+
+
+def aligned(words: Sequence[str]) -> list[str]:
+    """A column of numbers padded at the right, so that the points stand below each other.
+
+    The padding has the width of the digits and of the point that are missing. Columns with
+    anything but plain numbers are left as they are.
+    """
+    if not all(_PLAIN.fullmatch(word) or word in ("", NOTHING) for word in words):
+        return list(words)
+    most = max((len(word.partition(".")[2]) for word in words), default=0)
+    return [
+        word
+        if "." in word and len(word.partition(".")[2]) == most
+        else word
+        + (POINT_SPACE if most and "." not in word else "")
+        + FIGURE_SPACE * (most - len(word.partition(".")[2]))
+        for word in words
+    ]
 
 
 def with_half(value: Number, half: Number) -> str:

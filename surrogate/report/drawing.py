@@ -46,21 +46,6 @@ def group(*children: object, **attributes: object) -> Markup:
     return tag("g", *children, **attributes)
 
 
-def drawing(
-    width: float, height: float, *children: object, says: str, **attributes: object
-) -> Markup:
-    """The `<svg>` itself; `says` is its text for those who do not see it."""
-    return tag(
-        "svg",
-        *children,
-        viewBox=f"0 0 {width:.0f} {height:.0f}",
-        role="img",
-        aria_label=says,
-        style=f"max-width:{width * 1.15:.0f}px",
-        **attributes,
-    )
-
-
 def text(x: float, y: float, words: object, class_: str = "", anchor: str | None = None) -> Markup:
     """Words at a point."""
     return tag("text", words, x=float(x), y=float(y), class_=class_ or None, text_anchor=anchor)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -65,19 +66,18 @@ def build(content: Content, only: str = "") -> Page:
         environment.get_template("page.html").render(
             name=content.name,
             sections=sections,
+            anchors={section.anchor for section in sections},
             style=_part(environment, "style.css"),
             script=_part(environment, "behaviour.js"),
-            made=content.runs.attrs.get("created", ""),
+            made=_made(content),
             runs=_json(runs.for_pointing(content)),
         )
     )
 
 
 def _sections(content: Content) -> Iterator[Section]:
+    """The answer, what it rests on output by output, then the designs and runs behind it."""
     yield summary.section(content)
-    yield parameters.section(content)
-    yield designs.section(content)
-    yield runs.section(content)
     for output in content.outputs:
         blocks = [
             *accuracy.blocks(content, output),
@@ -91,7 +91,23 @@ def _sections(content: Content) -> Iterator[Section]:
     if content.validation is not None:
         yield validation.section(content.validation)
     yield screening.section(content)
+    yield parameters.section(content)
+    yield designs.section(content)
+    yield runs.section(content)
     yield provenance.section(content)
+
+
+def _made(content: Content) -> str:
+    """From what, and when: `177 runs of leg_bandage, 7 inputs, 28 November 2026`."""
+    said = digits.quantity(len(content.ok), "run")
+    solver = str(content.runs.attrs.get("solver", ""))
+    said += f" of {'table ' if content.recorded else ''}{solver}" if solver else ""
+    said += f", {digits.quantity(content.space.size, 'input')}"
+    try:
+        day = datetime.fromisoformat(str(content.runs.attrs.get("created", "")))
+    except ValueError:
+        return said
+    return f"{said}, {day.day} {day:%B %Y}"
 
 
 def _part(environment: Environment, name: str) -> Markup:

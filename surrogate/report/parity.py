@@ -31,6 +31,17 @@ class Parity:
         """Observed minus predicted."""
         return np.asarray(self.observed - self.predicted)
 
+    def only(self, which: np.ndarray) -> Parity:
+        """Some of the runs, (n,) of bool."""
+        return Parity(
+            self.run[which],
+            self.observed[which],
+            self.predicted[which],
+            self.half[which],
+            self.learnt[which],
+            self.honest,
+        )
+
 
 def parity(content: Content, fit: Fit, output: str) -> Parity:
     """Every finished run beside what the fit says of it.

@@ -8,8 +8,9 @@ import numpy as np
 from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import WIDTH, Scale, drawing, label_room, mark, text
+from surrogate.report.drawing import WIDTH, Scale, label_room, mark, text
 from surrogate.report.figures.rows import Rows
+from surrogate.report.plot import Plot, column, plot
 
 ROW = 24.0
 TITLES = {"hollow": "cross-validated", "filled": "held-out"}
@@ -21,7 +22,7 @@ OFF_SCALE, DISC = 54.0, 10.0
 
 def accuracy_plot(
     names: Sequence[str], q2_cv: Sequence[float], q2_test: Sequence[float], output: str
-) -> Markup:
+) -> Plot:
     """A row a surrogate: cross-validated Q2 hollow, held-out Q2 filled, each (surrogate,).
 
     Values below 0 stand as numbers at the left end of the scale, beside a disc of their kind.
@@ -35,7 +36,33 @@ def accuracy_plot(
         marks += _scores(
             rows, place, name, {"hollow": float(q2_cv[place]), "filled": float(q2_test[place])}
         )
-    return drawing(WIDTH, rows.height, *marks, says=f"Q2 of {len(names)} surrogates for {output}")
+    return plot(
+        WIDTH,
+        rows.height,
+        *marks,
+        title=f"Q² of the surrogates of {output}",
+        says=_says(names, q2_cv, q2_test),
+        numbers=(
+            column("surrogate", names),
+            column("Q² (cross-validated)", q2_cv),
+            column("Q² (held-out)", q2_test),
+        ),
+    )
+
+
+def _says(names: Sequence[str], q2_cv: Sequence[float], q2_test: Sequence[float]) -> str:
+    told = [
+        f"{name}: {' and '.join(said)}"
+        for name, cv, test in zip(names, q2_cv, q2_test, strict=True)
+        if (
+            said := [
+                f"{digits.score(value)} {how}"
+                for how, value in (("cross-validated", cv), ("on held-out runs", test))
+                if np.isfinite(value)
+            ]
+        )
+    ]
+    return f"Q² of {digits.quantity(len(names), 'surrogate')}. {'; '.join(told)}."
 
 
 def _scores(rows: Rows, place: int, name: str, scores: dict[str, float]) -> list[Markup]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import Panel, drawing, group, line, mark, path, span, text
+from surrogate.report.drawing import Panel, group, line, mark, path, span, text
+from surrogate.report.plot import Plot, column, plot
 
 
 def scatter_plot(
@@ -20,7 +20,7 @@ def scatter_plot(
     name: str,
     output: str,
     unit: str,
-) -> Markup:
+) -> Plot:
     """Model over reference with the line of equality and the regression through the origin.
 
     reference, model (n,), half (n,) of the model's 95 % interval or NaN, labels (n,).
@@ -48,14 +48,24 @@ def scatter_plot(
         mark("filled", panel.x(x), panel.y(y), data_tip=_tip(label, x, y, unit))
         for x, y, label in zip(reference, model, labels, strict=True)
     ]
-    return drawing(
+    return plot(
         360,
         340,
         panel.frame(digits.labelled("reference", unit), digits.labelled(name, unit)),
         *lines,
         group(*bars),
         group(*marks),
-        says=f"{name} over the reference for {output}: {len(labels)} cases",
+        title=f"{name} against the reference: {output}",
+        says=(
+            f"{digits.quantity(len(labels), 'case')}. Regression through the origin has slope "
+            f"{digits.figure(slope)}; 1 is agreement."
+        ),
+        numbers=(
+            column("case", labels),
+            column(digits.labelled("reference", unit), reference),
+            column(digits.labelled(name, unit), model),
+            column(digits.labelled("half-width of the 95 % interval", unit), half),
+        ),
     )
 
 
@@ -67,7 +77,7 @@ def difference_plot(
     name: str,
     output: str,
     unit: str,
-) -> Markup:
+) -> Plot:
     """Difference over mean, with bias, limits of agreement and the bands of their intervals."""
     mean, difference = (np.asarray(model) + reference) / 2.0, np.asarray(model) - reference
     levels = {"bias": "curve", "lower_limit": "threshold", "upper_limit": "threshold"}
@@ -108,7 +118,7 @@ def difference_plot(
         mark("filled", panel.x(x), panel.y(d), data_tip=_tip(label, r, y, unit))
         for x, d, r, y, label in zip(mean, difference, reference, model, labels, strict=True)
     ]
-    return drawing(
+    return plot(
         360,
         340,
         *bands,
@@ -119,7 +129,17 @@ def difference_plot(
         zero,
         *lines,
         group(*marks),
-        says=f"Differences of {name} from the reference for {output}, over their mean",
+        title=f"{name} minus the reference: {output}",
+        says=(
+            f"{digits.quantity(len(labels), 'case')}. Bias {printed.get('bias', digits.NOTHING)}; "
+            f"limits of agreement {printed.get('lower_limit', digits.NOTHING)} and "
+            f"{digits.with_unit(printed.get('upper_limit', digits.NOTHING), unit)}."
+        ),
+        numbers=(
+            column("case", labels),
+            column(digits.labelled("mean", unit), mean),
+            column(digits.labelled("difference", unit), difference),
+        ),
     )
 
 

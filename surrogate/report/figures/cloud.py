@@ -9,7 +9,8 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from surrogate.report.drawing import Scale, drawing, group, mark, shortened, tag, text
+from surrogate.report.drawing import Scale, group, mark, shortened, tag, text
+from surrogate.report.plot import Plot, column, plot
 from surrogate.space.space import Space
 
 #: Size of a panel, and of the room for names below it and beside it.
@@ -23,7 +24,7 @@ def cloud_plot(
     coded: NDArray[np.float64],
     numbers: NDArray[np.int_],
     pair: tuple[str, str],
-) -> Markup:
+) -> Plot:
     """Coded points (run, parameter) of two inputs; corners that no run reaches are shaded."""
     j, i = (space.names.index(name) for name in pair)
     x = Scale(-1.05, 1.05, ROOM, ROOM + SIZE)
@@ -36,7 +37,8 @@ def cloud_plot(
     ]
     middle = ROOM + SIZE / 2
     upright = f"translate(14 {SIZE / 2:.0f}) rotate(-90)"
-    return drawing(
+    empty = len(empty_corners(points))
+    return plot(
         ROOM + SIZE + 4,
         SIZE + ROOM,
         group(*(_shaded(x, y, *signs) for signs in empty_corners(points)), box, *marks),
@@ -44,7 +46,16 @@ def cloud_plot(
         tag(
             "text", shortened(pair[1], SIZE), class_="name", text_anchor="middle", transform=upright
         ),
-        says=f"runs by {pair[0]} and {pair[1]}, coded; corners without runs are shaded",
+        title=f"Runs by {pair[0]} and {pair[1]}",
+        says=(
+            f"{len(points)} runs by {pair[0]} and {pair[1]}, from smallest to largest. "
+            f"{empty or 'None'} of the four corners {'has' if empty == 1 else 'have'} no run."
+        ),
+        numbers=(
+            column("run", numbers),
+            column(f"{pair[0]} (coded)", points[:, 0]),
+            column(f"{pair[1]} (coded)", points[:, 1]),
+        ),
     )
 
 

@@ -8,8 +8,9 @@ import numpy as np
 from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import WIDTH, drawing, group, line, mark
+from surrogate.report.drawing import WIDTH, group, line, mark
 from surrogate.report.figures.rows import Rows, whisker
+from surrogate.report.plot import Plot, column, plot
 
 MOST = 30
 ROW = 20.0
@@ -22,7 +23,7 @@ def coefficient_plot(
     high: np.ndarray,
     unit: str,
     surrogate: str,
-) -> Markup:
+) -> Plot:
     """A row a term: coefficient and interval, in output units per coded unit.
 
     terms (k,) without the constant; value, low, high (k,), NaN where there is no
@@ -39,11 +40,22 @@ def coefficient_plot(
         marks.append(
             _term(rows, place, terms[k], (float(value[k]), float(low[k]), float(high[k])), unit)
         )
-    return drawing(
+    largest = [
+        f"{terms[k]} {digits.with_unit(digits.with_interval(value[k], low[k], high[k]), unit)}"
+        for k in order[:3]
+    ]
+    return plot(
         WIDTH,
         rows.height,
         *marks,
-        says=f"Coefficients of {surrogate} with intervals, largest first",
+        title=f"Coefficients of {surrogate}",
+        says=f"{digits.quantity(len(order), 'term')}, largest first: {'; '.join(largest)}.",
+        numbers=(
+            column("term", [terms[k] for k in order]),
+            column(digits.labelled("coefficient", unit), value[order]),
+            column("lower end", low[order]),
+            column("upper end", high[order]),
+        ),
     )
 
 

@@ -10,10 +10,17 @@ import numpy as np
 from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import Panel, drawing, group, path, span, tag, text
+from surrogate.report.drawing import Panel, group, path, span, tag, text
+from surrogate.report.plot import Column, Plot, column, plot
 
 #: Points along a side of a map beyond which it is drawn coarser.
 FINEST = 400
+#: Points along a side of a map that are written out in numbers.
+WRITTEN = 64
+
+
+#: Curves in their order.
+KINDS = ("curve", "curve dashed")
 
 
 def field_line(
@@ -21,11 +28,14 @@ def field_line(
     curves: dict[str, np.ndarray],
     x_label: str,
     y_label: str,
-    says: str,
+    title: str,
     band: tuple[np.ndarray, np.ndarray] | None = None,
     y_span: tuple[float, float] | None = None,
-) -> Markup:
-    """Curves over one coordinate x (m,): class name -> (m,); `band` is (lower, upper)."""
+) -> Plot:
+    """Curves over one coordinate x (m,): what it is -> (m,); `band` is (lower, upper).
+
+    The first curve is solid, a second one dashed.
+    """
     values = [*curves.values(), *(band or ())]
     panel = Panel.within(span(x, pad=0.0), y_span or span(*values), height=240.0)
     marks = []
@@ -34,9 +44,29 @@ def field_line(
         marks.append(path(upper + lower[::-1], "band", closed=True))
     marks += [
         path(zip(panel.x(x), panel.y(np.clip(curve, panel.y.low, panel.y.high)), strict=True), kind)
-        for kind, curve in curves.items()
+        for curve, kind in zip(curves.values(), KINDS, strict=False)
     ]
-    return drawing(360, 240, panel.frame(x_label, y_label), *marks, says=says)
+    told = [
+        f"{name}: {digits.interval(float(np.nanmin(curve)), float(np.nanmax(curve)))}"
+        for name, curve in curves.items()
+        if np.isfinite(curve).any()
+    ]
+    return plot(
+        360,
+        240,
+        panel.frame(x_label, y_label),
+        *marks,
+        title=title,
+        says=f"{y_label} over {x_label}. {'; '.join(told)}.",
+        numbers=(
+            column(x_label, x),
+            *(column(name, curve) for name, curve in curves.items()),
+            *(
+                column(f"band, {end} end", edge)
+                for end, edge in zip(("lower", "upper"), band or (), strict=False)
+            ),
+        ),
+    )
 
 
 def field_map(
@@ -46,9 +76,9 @@ def field_map(
     x_label: str,
     y_label: str,
     label: str,
-    says: str,
+    title: str,
     limits: tuple[float, float] | None = None,
-) -> Markup:
+) -> Plot:
     """Values (len(y), len(x)) as a map, dark where they are high, with its scale beside it."""
     low, high = limits or span(values, pad=0.0)
     panel = Panel.within(_edges(x), _edges(y), right=66.0, height=270.0)
@@ -66,15 +96,41 @@ def field_map(
         href=_picture(share[::-1]),
         class_="map",
     )
-    return drawing(
+    return plot(
         360,
         270,
         panel.frame(x_label, y_label),
         image,
         panel.baseline(),
         _key(panel, low, high, label),
-        says=says,
+        title=title,
+        says=_extremes(x, y, np.asarray(values, float), x_label, y_label),
+        numbers=_written(x, y, np.asarray(values, float), x_label, y_label),
     )
+
+
+def _extremes(x: np.ndarray, y: np.ndarray, values: np.ndarray, x_label: str, y_label: str) -> str:
+    if not np.isfinite(values).any():
+        return "No finite value."
+    said = []
+    for word, place in (("Smallest", np.nanargmin(values)), ("largest", np.nanargmax(values))):
+        i, j = np.unravel_index(int(place), values.shape)
+        said.append(
+            f"{word} value {digits.figure(values[i, j])} at {x_label} {digits.figure(x[j])}, "
+            f"{y_label} {digits.figure(y[i])}"
+        )
+    return f"A map over {x_label} and {y_label}. {'; '.join(said)}."
+
+
+def _written(
+    x: np.ndarray, y: np.ndarray, values: np.ndarray, x_label: str, y_label: str
+) -> list[Column]:
+    """A row a place of y, a column a place of x; of fine maps every so many places."""
+    rows, columns = (np.unique(_nearest(np.asarray(p, float), WRITTEN)) for p in (y, x))
+    return [
+        column(f"{y_label} \\ {x_label}", np.asarray(y, float)[rows]),
+        *(column(digits.figure(x[j], 4), values[rows, j]) for j in columns),
+    ]
 
 
 def _key(panel: Panel, low: float, high: float, label: str) -> Markup:
@@ -117,8 +173,8 @@ def _on_even_grid(x: np.ndarray, y: np.ndarray, values: np.ndarray) -> np.ndarra
     return np.asarray(values[np.ix_(rows, columns)])
 
 
-def _nearest(places: np.ndarray) -> np.ndarray:
-    even = np.linspace(places.min(), places.max(), min(len(places), FINEST))
+def _nearest(places: np.ndarray, most: int = FINEST) -> np.ndarray:
+    even = np.linspace(places.min(), places.max(), min(len(places), most))
     return np.asarray(np.abs(places[None, :] - even[:, None]).argmin(axis=1))
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import WIDTH, drawing, group, label_room, shortened, tag, text
+from surrogate.report.drawing import WIDTH, group, label_room, shortened, tag, text
+from surrogate.report.plot import Plot, column, plot
 
 #: Up to this many parameters the squares have room for their numbers.
 WRITTEN = 9
@@ -18,7 +19,7 @@ PALEST_PEAK = 0.05
 
 def interaction_map(
     names: Sequence[str], value: np.ndarray, low: np.ndarray, high: np.ndarray, output: str
-) -> Markup:
+) -> Plot:
     """Lower triangle of the pairs; value, low, high (parameter, parameter)."""
     count = len(names)
     left = label_room(names, 100.0)
@@ -57,11 +58,29 @@ def interaction_map(
             )
         )
     below = min(90.0, label_room(names[:-1], 100.0)) * 0.82 + 12
-    return drawing(
+    pairs = [(i, j) for i in range(1, count) for j in range(i)]
+    i, j = max(pairs, key=lambda pair: np.nan_to_num(value[pair], nan=-np.inf))
+    return plot(
         WIDTH,
         floor + below,
         *marks,
-        says=f"Second-order Sobol' indices of the parameter pairs for {output}",
+        title=f"Second-order Sobol' indices of {output}",
+        says=(
+            f"{digits.quantity(len(pairs), 'pair')}. Largest: {names[j]} × {names[i]}, "
+            f"{digits.with_interval(value[i, j], low[i, j], high[i, j])}."
+        ),
+        numbers=(
+            column("parameter", [names[b] for _, b in pairs]),
+            column("with", [names[a] for a, _ in pairs]),
+            *(
+                column(title, [part[pair] for pair in pairs])
+                for title, part in (
+                    ("second order", value),
+                    ("lower end", low),
+                    ("upper end", high),
+                )
+            ),
+        ),
     )
 
 
@@ -77,8 +96,8 @@ def _square(
 ) -> Markup:
     value, low, high = map(float, numbers)
     known = np.isfinite(value)
-    # Grey by the share of the largest pair: paper shows it as well as a screen does.
-    shade = int(round(255 - 175 * max(0.0, value) / peak)) if known else 255
+    # Darker by the share of the largest pair: paper shows it as well as a screen does.
+    shade = max(0.0, value) / peak if known else 0.0
     parts = [
         tag(
             "rect",
@@ -87,7 +106,7 @@ def _square(
             width=width - 2,
             height=height - 2,
             class_="cell",
-            style=f"fill:rgb({shade},{shade},{shade})",
+            fill_opacity=f"{shade:.2f}",
         )
     ]
     if written:
@@ -97,7 +116,7 @@ def _square(
                 x + width / 2,
                 y + height / 2 + 4,
                 words,
-                "tick light" if shade < 130 else "tick dark",
+                "tick over" if shade > 0.55 else "tick",
                 "middle",
             )
         )

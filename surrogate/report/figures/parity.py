@@ -6,11 +6,12 @@ import numpy as np
 from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import Panel, drawing, group, line, mark, span
+from surrogate.report.drawing import Panel, group, line, mark, span
 from surrogate.report.parity import Parity
+from surrogate.report.plot import Column, Plot, column, plot
 
 
-def parity_plot(data: Parity, output: str, unit: str, surrogate: str) -> Markup:
+def parity_plot(data: Parity, output: str, unit: str, surrogate: str) -> Plot:
     """Predicted over observed, with the line of equality and 95 % intervals."""
     reach = np.where(np.isfinite(data.half), data.half, 0.0)
     both = span(data.observed, data.predicted + reach, data.predicted - reach)
@@ -24,25 +25,32 @@ def parity_plot(data: Parity, output: str, unit: str, surrogate: str) -> Markup:
         if np.isfinite(half)
     ]
     marks = _marks(panel, data, data.observed, data.predicted, unit)
-    return drawing(
+    return plot(
         360,
         340,
         panel.frame(digits.labelled("simulated", unit), digits.labelled("predicted", unit)),
         diagonal,
         group(*bars),
         group(*marks),
-        says=f"Parity of {surrogate} for {output}: {len(data.run)} runs, predicted over observed",
+        title=f"{surrogate}: predicted against simulated {output}",
+        says=_differences(data, unit),
+        numbers=(
+            *_which(data),
+            column(digits.labelled("simulated", unit), data.observed),
+            column(digits.labelled("predicted", unit), data.predicted),
+            column(digits.labelled("half-width of the 95 % interval", unit), data.half),
+        ),
     )
 
 
-def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Markup:
+def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Plot:
     """Observed minus predicted, over predicted."""
     panel = Panel.within(
         span(data.predicted), span(data.residual, include=[0.0], pad=0.08), height=340.0
     )
     zero = line(panel.x.start, panel.y(0.0), panel.x.end, panel.y(0.0), "reference")
     marks = _marks(panel, data, data.predicted, data.residual, unit)
-    return drawing(
+    return plot(
         360,
         340,
         panel.frame(
@@ -50,8 +58,37 @@ def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Marku
         ),
         zero,
         group(*marks),
-        says=f"Residuals of {surrogate} for {output} over its predictions",
+        title=f"{surrogate}: residuals of {output}",
+        says=_differences(data, unit),
+        numbers=(
+            *_which(data),
+            column(digits.labelled("predicted", unit), data.predicted),
+            column(digits.labelled("simulated minus predicted", unit), data.residual),
+        ),
     )
+
+
+def _differences(data: Parity, unit: str) -> str:
+    """How far predictions are off, of held-out runs and of training runs."""
+    said = []
+    for kind, which in (("held-out run", ~data.learnt), ("training run", data.learnt)):
+        off = data.residual[which]
+        if np.isfinite(off).any():
+            rms = digits.figure(float(np.sqrt(np.nanmean(off**2))), 2)
+            worst = int(np.nanargmax(np.abs(off)))
+            largest = digits.with_unit(digits.figure(off[worst], 2), unit)
+            said.append(
+                f"{digits.quantity(int(which.sum()), kind)}: root mean square difference "
+                f"{digits.with_unit(rms, unit)}, largest {largest} at run {data.run[which][worst]}"
+            )
+    low, high = float(np.nanmin(data.observed)), float(np.nanmax(data.observed))
+    values = digits.with_unit(digits.interval(low, high), unit)
+    return f"Simulated values from {values}. {'; '.join(said)}."
+
+
+def _which(data: Parity) -> tuple[Column, ...]:
+    use = np.where(data.learnt, "training", "held out")
+    return column("run", data.run), column("use", use)
 
 
 def _marks(panel: Panel, data: Parity, x: np.ndarray, y: np.ndarray, unit: str) -> list[Markup]:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 from markupsafe import Markup
 
-from surrogate.report.digits import labelled, number
+from surrogate.report.digits import labelled, number, quantity
 from surrogate.report.drawing import (
     WIDTH,
     Scale,
-    drawing,
     group,
     label_room,
     line,
@@ -19,6 +18,7 @@ from surrogate.report.drawing import (
     text,
     width_of,
 )
+from surrogate.report.plot import Plot, column, plot
 from surrogate.space.space import Parameter, Space
 
 #: Up to this many parameters every pair has room for a panel.
@@ -41,7 +41,7 @@ def points_plot(
     design: np.ndarray,
     designs: list[str],
     ok: np.ndarray,
-) -> Markup:
+) -> Plot:
     """The points of all designs in coded values; failed runs as crosses.
 
     coded (run, parameter), numbers (run,), design (run,) words, ok (run,).
@@ -50,7 +50,41 @@ def points_plot(
         mark_of(designs, name) if fine else "cross" for name, fine in zip(design, ok, strict=True)
     ]
     if space.size == 1 or space.size > PAIRS:
-        return _strips(space, coded, numbers, kinds)
+        height, marks = _strips(space, coded, numbers, kinds)
+    else:
+        height, marks = _sorted_pairs(space, coded, numbers, design, designs, kinds)
+    counts = ", ".join(f"{(design == name).sum()} of {name}" for name in designs)
+    failed = int((~ok).sum())
+    how = "by pairs of parameters" if 1 < space.size <= PAIRS else "a strip a parameter"
+    return plot(
+        WIDTH,
+        height,
+        marks,
+        title="Design points",
+        says=f"{quantity(len(numbers), 'point')} ({counts}; {failed or 'none'} failed), {how}.",
+        numbers=(
+            column("run", numbers),
+            column("design", design),
+            *(
+                column(f"{name} (coded)", values)
+                for name, values in zip(space.names, coded.T, strict=True)
+            ),
+        ),
+    )
+
+
+#: Height and marks of a drawing.
+Drawn = tuple[float, Markup]
+
+
+def _sorted_pairs(
+    space: Space,
+    coded: np.ndarray,
+    numbers: np.ndarray,
+    design: np.ndarray,
+    designs: list[str],
+    kinds: list[str],
+) -> Drawn:
     # The first design on top, for later ones often hold its points too; failed runs above all.
     order = sorted(
         range(len(kinds)), key=lambda k: (kinds[k] == "cross", -designs.index(str(design[k])))
@@ -58,7 +92,7 @@ def points_plot(
     return _pairs(space, coded[order], numbers[order], [kinds[k] for k in order])
 
 
-def _pairs(space: Space, coded: np.ndarray, numbers: np.ndarray, kinds: list[str]) -> Markup:
+def _pairs(space: Space, coded: np.ndarray, numbers: np.ndarray, kinds: list[str]) -> Drawn:
     """Lower triangle of panels; columns share an x parameter, rows a y parameter."""
     count = space.size
     left = label_room(space.names, 84.0)
@@ -83,12 +117,7 @@ def _pairs(space: Space, coded: np.ndarray, numbers: np.ndarray, kinds: list[str
     for j in range(count - 1):
         marks.append(_below(space.names[j], left + size * (j + 0.5), floor, steep))
     below = min(90.0, label_room(space.names[:-1])) * 0.82 + 12 if steep else 22.0
-    return drawing(
-        WIDTH,
-        floor + below,
-        *marks,
-        says=f"{len(numbers)} points of the designs, every pair of parameters, coded",
-    )
+    return floor + below, group(*marks)
 
 
 def _below(name: str, x: float, floor: float, steep: bool) -> Markup:
@@ -121,7 +150,7 @@ def _point(x: Scale, y: Scale, point: np.ndarray, number: object, kind: str, siz
     return mark(kind, x(point[0]), y(point[1]), size, data_run=number)
 
 
-def _strips(space: Space, coded: np.ndarray, numbers: np.ndarray, kinds: list[str]) -> Markup:
+def _strips(space: Space, coded: np.ndarray, numbers: np.ndarray, kinds: list[str]) -> Drawn:
     """One line a parameter from its lowest to its highest value, a mark a run.
 
     Runs stand a little above one another by their number, so that a design of two
@@ -141,12 +170,7 @@ def _strips(space: Space, coded: np.ndarray, numbers: np.ndarray, kinds: list[st
             mark(kind, x(value), y + lift[k], 1.9, data_run=numbers[k])
             for k, (value, kind) in enumerate(zip(coded[:, j], kinds, strict=True))
         ]
-    return drawing(
-        WIDTH,
-        top + row * space.size + 4,
-        *marks,
-        says=f"{len(numbers)} points of the designs, a strip for each parameter",
-    )
+    return top + row * space.size + 4, group(*marks)
 
 
 def _ends(parameter: Parameter) -> str:

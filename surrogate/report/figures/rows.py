@@ -13,8 +13,8 @@ from surrogate.report.drawing import (
     group,
     label_room,
     line,
-    path,
     shortened,
+    tag,
     text,
 )
 
@@ -95,9 +95,6 @@ class Rows:
 
 def whisker(x: Scale, low: float, high: float, y: float, cap: float = 3.5) -> Markup:
     """An interval with its two ends."""
-    left, right = float(x(max(low, x.low))), float(x(min(high, x.high)))
-    return group(
-        path([(left, y - cap), (left, y + cap)], "whisker"),
-        line(left, y, right, y, "whisker"),
-        path([(right, y - cap), (right, y + cap)], "whisker"),
-    )
+    left, right = (f"{float(x(end)):.1f}" for end in (max(low, x.low), min(high, x.high)))
+    caps = "".join(f"M{end} {y - cap:.1f}V{y + cap:.1f}" for end in (left, right))
+    return tag("path", d=f"{caps}M{left} {y:.1f}H{right}", class_="whisker")

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from markupsafe import Markup
 
 from surrogate.fitting.fit import Fit
 from surrogate.report import digits
 from surrogate.report.drawing import (
     Panel,
     Scale,
-    drawing,
     group,
     line,
     mark,
@@ -20,6 +18,7 @@ from surrogate.report.drawing import (
     text,
 )
 from surrogate.report.parity import mean_over_points, predictions
+from surrogate.report.plot import Plot, column, plot
 from surrogate.space.space import Parameter, Space
 
 WIDTH, HEIGHT, POINTS = 250.0, 190.0, 41
@@ -40,7 +39,7 @@ def sweep(parameter: Parameter) -> np.ndarray:
     return np.linspace(-reach, reach, POINTS)
 
 
-def slice_plots(fit: Fit, space: Space, unit: str, output: str) -> list[tuple[str, Markup]]:
+def slice_plots(fit: Fit, space: Space, unit: str, output: str) -> list[tuple[str, Plot]]:
     """(parameter, drawing) for each parameter, all with the same y scale.
 
     A field output is shown by its mean over its points.
@@ -73,7 +72,7 @@ def _draw(
     y_span: tuple[float, float],
     unit: str,
     output: str,
-) -> Markup:
+) -> Plot:
     if parameter.categorical:
         return _draw_levels(parameter, mean, half, y_span, unit, output)
     physical = np.asarray(parameter.decode(sweep(parameter)), dtype=float)
@@ -90,13 +89,26 @@ def _draw(
         x_count=4,
         y_count=4,
     )
-    return drawing(
+    return plot(
         WIDTH,
         HEIGHT,
         frame,
         *marks,
-        says=f"{output} along {parameter.name}, other parameters in the middle",
+        title=f"{output} along {parameter.name}",
+        says=_ends(parameter, [digits.figure(v) for v in physical[[0, -1]]], mean[[0, -1]], unit),
+        numbers=(
+            column(digits.labelled(parameter.name, parameter.unit), physical),
+            column(digits.labelled("predicted", unit), mean),
+            column(digits.labelled("half-width of the 95 % interval", unit), half),
+        ),
     )
+
+
+def _ends(parameter: Parameter, places: list[str], values: np.ndarray, unit: str) -> str:
+    """From where to where the curve goes."""
+    start, end = (digits.with_unit(digits.figure(value), unit) for value in values)
+    first, last = (digits.with_unit(place, parameter.unit) for place in places)
+    return f"From {start} at {first} to {end} at {last}, the other parameters in the middle."
 
 
 def _draw_levels(
@@ -106,7 +118,7 @@ def _draw_levels(
     y_span: tuple[float, float],
     unit: str,
     output: str,
-) -> Markup:
+) -> Plot:
     panel = Panel.within((-0.5, len(mean) - 0.5), y_span, width=WIDTH, height=HEIGHT)
     marks, bottom = [], panel.y.start
     room = (panel.x.end - panel.x.start) / len(mean)
@@ -132,7 +144,7 @@ def _draw_levels(
         for v, words in ticks
     ]
     middle = Scale(0, 1, panel.x.start, panel.x.end)(0.5)
-    return drawing(
+    return plot(
         WIDTH,
         HEIGHT,
         *frame,
@@ -140,5 +152,15 @@ def _draw_levels(
         *marks,
         text(2, panel.y.end - 11, digits.labelled(shortened(output, 130), unit), "label"),
         text(middle, bottom + 31, digits.labelled(parameter.name, ""), "label", "middle"),
-        says=f"{output} for each level of {parameter.name}",
+        title=f"{output} for each {parameter.name}",
+        says="; ".join(
+            f"{level}: {digits.with_unit(digits.figure(value), unit)}"
+            for level, value in zip(parameter.levels, mean, strict=True)
+        )
+        + ".",
+        numbers=(
+            column(parameter.name, parameter.levels),
+            column(digits.labelled("predicted", unit), mean),
+            column(digits.labelled("half-width of the 95 % interval", unit), half),
+        ),
     )

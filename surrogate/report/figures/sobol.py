@@ -9,8 +9,9 @@ import numpy as np
 from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import WIDTH, Scale, drawing, group, line, mark, tag
+from surrogate.report.drawing import WIDTH, Scale, group, line, mark, tag
 from surrogate.report.figures.rows import Rows, whisker
+from surrogate.report.plot import Column, Plot, column, plot
 
 #: Height of one bar and of the room about a parameter's bars.
 BAR, ROOM = 14.0, 11.0
@@ -41,11 +42,11 @@ def index_bars(
     names: Sequence[str],
     series: Sequence[Bars],
     label: str,
-    says: str,
+    title: str,
     *,
     freeze_below: float | None = None,
     trusted: bool = True,
-) -> Markup:
+) -> Plot:
     """The series' bars side by side for each parameter, sorted by the last series."""
     order = np.argsort(-np.nan_to_num(series[-1].value, nan=-np.inf), kind="stable")
     band = BAR * len(series) + ROOM
@@ -58,9 +59,36 @@ def index_bars(
             for step, bars in enumerate(series)
         ]
     marks.append(rows.threshold(freeze_below))
-    return drawing(
-        WIDTH, rows.height, group(*marks, class_=None if trusted else "faded"), says=says
+    return plot(
+        WIDTH,
+        rows.height,
+        group(*marks, class_=None if trusted else "faded"),
+        title=title,
+        says=("" if trusted else "Not to be trusted. ") + _largest(names, series[-1], order),
+        numbers=_numbers(names, series, order),
     )
+
+
+def _largest(names: Sequence[str], bars: Bars, order: np.ndarray) -> str:
+    """The three largest of a series, with their intervals."""
+    told = [
+        f"{names[k]} {digits.with_interval(bars.value[k], bars.low[k], bars.high[k])}"
+        for k in order[:3]
+    ]
+    return f"{bars.title}, largest first: {'; '.join(told)}."
+
+
+def _numbers(names: Sequence[str], series: Sequence[Bars], order: np.ndarray) -> tuple[Column, ...]:
+    """Names and the series with the ends of their intervals, where they have some."""
+    columns = [column("parameter", [names[k] for k in order])]
+    for bars in series:
+        columns.append(column(bars.title, bars.value[order]))
+        if np.isfinite(bars.low).any():
+            columns += [
+                column(f"{bars.title}, {end} end", part[order])
+                for end, part in (("lower", bars.low), ("upper", bars.high))
+            ]
+    return tuple(columns)
 
 
 def _bar(x: Scale, y: float, bars: Bars, k: int, name: str) -> Markup:
@@ -80,7 +108,7 @@ def _bar(x: Scale, y: float, bars: Bars, k: int, name: str) -> Markup:
     )
 
 
-def part_bars(names: Sequence[str], total: Mapping[str, np.ndarray]) -> Markup:
+def part_bars(names: Sequence[str], total: Mapping[str, np.ndarray]) -> Plot:
     """Half-widths of the total index's interval: sampling (dark) and surrogate (light)."""
     nothing = np.full(len(names), np.nan)
     order = np.argsort(-np.nan_to_num(total["value"], nan=-np.inf), kind="stable")
@@ -100,11 +128,17 @@ def part_bars(names: Sequence[str], total: Mapping[str, np.ndarray]) -> Markup:
             _bar(rows.x, rows.top(place) + ROOM / 2 + BAR * step, bars, place, name)
             for step, bars in enumerate(series)
         ]
-    return drawing(
+    widest = int(np.nanargmax(np.nan_to_num(np.fmax(series[0].value, series[1].value))))
+    return plot(
         WIDTH,
         rows.height,
         *marks,
-        says="Sampling and surrogate parts of the intervals of the total indices",
+        title="Parts of the intervals of the total indices",
+        says=(
+            f"Largest for {named[widest]}: sampling ± {digits.figure(series[0].value[widest], 2)}, "
+            f"surrogate ± {digits.figure(series[1].value[widest], 2)}."
+        ),
+        numbers=_numbers(named, series, np.arange(len(named))),
     )
 
 
@@ -113,7 +147,7 @@ def share_plot(
     shares: Sequence[float],
     total: Mapping[str, np.ndarray],
     freeze_below: float | None,
-) -> Markup:
+) -> Plot:
     """One-at-a-time share (square) beside the total index (disc with interval)."""
     order = np.argsort(-np.nan_to_num(np.asarray(shares, dtype=float), nan=-np.inf), kind="stable")
     numbers = [float(v) for v in (*shares, *total["value"], *total["high"]) if np.isfinite(v)]
@@ -131,8 +165,23 @@ def share_plot(
             )
         )
     marks.append(rows.threshold(freeze_below))
-    return drawing(
-        WIDTH, rows.height, *marks, says="One-at-a-time shares beside total Sobol' indices"
+    return plot(
+        WIDTH,
+        rows.height,
+        *marks,
+        title="One-at-a-time shares and indices",
+        says="; ".join(
+            f"{names[k]}: share {digits.percent(shares[k])}, index "
+            f"{digits.figure(float(total['value'][k]), 2)}"
+            for k in order[:3]
+        )
+        + ".",
+        numbers=(
+            column("parameter", [names[k] for k in order]),
+            column("one-at-a-time share", [shares[k] for k in order]),
+            column("index", total["value"][order]),
+            column("index, upper end", total["high"][order]),
+        ),
     )
 
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from markupsafe import Markup
 
 from surrogate.report import digits
 from surrogate.report.blocks import Block, Figure, Figures, Heading, Text, anchor
 from surrogate.report.content import Content
 from surrogate.report.figures.fields import field_line, field_map
 from surrogate.report.parity import rows_learnt
+from surrogate.report.plot import Plot
 
 
 def blocks(content: Content, output: str) -> list[Block]:
@@ -124,7 +124,7 @@ def _lines(
         Figure(
             field_line(
                 x,
-                {"curve": mean},
+                {"mean": mean},
                 x_label,
                 label,
                 f"Mean of {output}",
@@ -136,16 +136,16 @@ def _lines(
     if seen is None:
         return figures
     k = seen.worst
-    curves = {"curve": seen.values[k], "curve dashed": seen.predicted[k]}
+    curves = {"simulated": seen.values[k], "predicted": seen.predicted[k]}
     return [
         *figures,
         Figure(
             field_line(
                 x,
-                {"curve": seen.q2},
+                {"Q²": seen.q2},
                 x_label,
                 "Q² (–)",
-                f"Q2 of {output} at each point",
+                f"Q² of {output} at each point",
                 y_span=_q2_span(seen.q2),
             ),
             f"Q² at each point: {seen.how}.{_worst(seen.q2)}",
@@ -166,7 +166,7 @@ def _maps(
 
     def draw(
         field: np.ndarray, key: str, what: str, limits: tuple[float, float] | None = None
-    ) -> Markup:
+    ) -> Plot:
         return field_map(x, y, field, x_label, y_label, key, f"{what} of {output}", limits=limits)
 
     figures = [
@@ -185,7 +185,7 @@ def _maps(
     return [
         *figures,
         Figure(
-            draw(seen.q2, "Q² (–)", "Q2 at each point", _q2_span(seen.q2)),
+            draw(seen.q2, "Q² (–)", "Q² at each point", _q2_span(seen.q2)),
             f"Q² at each point: {seen.how}.{_worst(seen.q2)}",
         ),
         Figure(

@@ -19,7 +19,7 @@ from surrogate.report.sections.accuracy import blocks
 def test_scores_off_the_scale_stand_clear_of_each_other_and_of_discs():
     """Numbers of 9-unit letters and discs of 4 units in a row do not touch; none is left out."""
     cv, test = [-31.1, -0.662, -12.6, 0.05], [-1.05, 0.32, 0.02, -0.4]
-    tree = read(str(accuracy_plot(list("abcd"), cv, test, "y")))
+    tree = read(str(accuracy_plot(list("abcd"), cv, test, "y").marks))
     for value, disc in ((-31.1, None), (-0.662, 0.32), (-12.6, 0.02), (-0.4, 0.05)):
         words = f"{value:.3g}".replace("-", "\N{MINUS SIGN}") + ("0" if value == -0.4 else "") * 2
         label = next(mark for mark in tree.all("text") if mark.text == words)

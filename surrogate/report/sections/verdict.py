@@ -1,0 +1,342 @@
+"""The verdict on one output: how good, what matters, what may be frozen."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import xarray as xr
+from sklearn.pipeline import Pipeline
+
+from surrogate.fitting.fit import Fit
+from surrogate.report import digits
+from surrogate.report.blocks import Figure, Verdict, anchor
+from surrogate.report.content import POOR_Q2, Content
+from surrogate.report.figures.freezing import freezing_plot
+from surrogate.report.figures.parity import parity_plot
+from surrogate.report.figures.responses import response_plot
+from surrogate.report.figures.sobol import Bars, index_bars
+from surrogate.report.parity import parity
+from surrogate.report.sections.accuracy import TEST, held_out
+from surrogate.report.sections.indices import DECIMALS, STAMP, of_output, refusal
+from surrogate.report.sections.measures import index, measures_of, names_of, unit_of
+from surrogate.sensitivity.importance import TOTAL
+
+#: Errors below this share of the output's spread are rounding.
+ROUNDING = 1e-9
+#: The leading inputs are those that explain so much of the variance, and so many at most.
+ENOUGH, MOST = 0.8, 3
+#: Names of inputs in a cell of the first table.
+LISTED = 2
+#: What the shipped surrogates are; others are called by their class.
+KINDS = {
+    "Linear": "linear model",
+    "Interactions": "linear model with interactions",
+    "Quadratic": "quadratic model",
+    "Stepwise": "stepwise polynomial",
+    "Lasso": "LASSO polynomial",
+    "PolynomialChaos": "polynomial chaos expansion",
+}
+#: Indices that are shares of the variance, and what they are called.
+SHARES = {"total": "total index", "shapley": "Shapley effect"}
+
+
+def verdict(content: Content, output: str) -> Verdict:
+    """One output: a sentence and up to three figures."""
+    best = content.best(output)
+    clauses = [
+        _predicted(content, output, best),
+        *_mattering(content, output),
+        *_frozen(content),
+    ]
+    figures = [
+        figure
+        for figure in (
+            _how_good(content, output, best),
+            _what_matters(content, output),
+            _what_may_be_frozen(content, output) or _how_it_responds(content, output, best),
+        )
+        if figure is not None
+    ]
+    row = content.row(best, output) if best else {}
+    how = "test" if np.isfinite(row.get("q2_test", np.nan)) else "cv"
+    q2, error = row.get(f"q2_{how}", np.nan), row.get(f"rmse_{how}", np.nan)
+    return Verdict(
+        output,
+        anchor("output", output),
+        f"{'; '.join(clause for clause in clauses if clause)}.",
+        surrogate=best or digits.NOTHING,
+        q2=digits.score(q2),
+        error=digits.with_unit(digits.figure(error, 2), content.unit(output)),
+        poor=bool(q2 < POOR_Q2),
+        matters=_leading_words(content, output),
+        shares=_shares(content, output),
+        figures=tuple(figures),
+    )
+
+
+def called(fit: Fit) -> str:
+    """What a surrogate is, and its name in the study: `the Gaussian process gp`."""
+    estimator = fit.estimator
+    if isinstance(estimator, Pipeline):
+        estimator = estimator[-1]
+    kind = type(getattr(estimator, "estimator", estimator)).__name__
+    words = KINDS.get(kind) or re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind).capitalize()
+    plain = fit.surrogate.replace("_", " ").lower()
+    return f"the {words}" if plain in words.lower() else f"the {words} {fit.surrogate}"
+
+
+def _predicted(content: Content, output: str, best: str | None) -> str:
+    """How well the best surrogate predicts the output."""
+    if best is None:
+        return (
+            "no surrogate could be fitted"
+            if content.fits
+            else f"{digits.quantity(int(content.finished(output).sum()), 'finished run')}"
+        )
+    name, row = called(content.fits_of(output)[best]), content.row(best, output)
+    held = np.isfinite(row.get("q2_test", np.nan))
+    how = "test" if held else "cv"
+    error = row.get(f"rmse_{how}", np.nan)
+    count = digits.quantity(held_out(content, output), "held-out run")
+    kind = f"on {count}" if held else "in cross-validation"
+    if not np.isfinite(error):
+        return (
+            f"the error of {name} on new points is not known, for there are no held-out runs and "
+            "no run can be left out of the training design"
+        )
+    if error <= ROUNDING * _spread(content, output):
+        return f"{name} is exact to rounding {kind}: the solver itself has this form"
+    within = digits.with_unit(digits.figure(error, 2), content.unit(output))
+    return (
+        f"{name} predicts it within {within} (RMSE {kind}; "
+        f"Q²\N{NO-BREAK SPACE}{digits.score(row.get(f'q2_{how}', np.nan))})"
+    )
+
+
+def _spread(content: Content, output: str) -> float:
+    values = content.values(output)[content.finished(output)]
+    return float(np.sqrt(np.mean(np.var(values, axis=0)))) if len(values) > 1 else 0.0
+
+
+def _leading(content: Content, output: str) -> tuple[xr.Dataset, str, np.ndarray] | None:
+    """The sensitivity of an output, its leading measure, and the inputs by its size."""
+    table = of_output(content, output)
+    if table is None or refusal(content, output):
+        return None
+    measure = "total" if "total" in table else next(iter(measures_of(table)), "")
+    if not measure:
+        return None
+    sizes = np.abs(np.asarray(table[measure].values, dtype=float))
+    return table, measure, np.argsort(-np.nan_to_num(sizes, nan=-1.0), kind="stable")
+
+
+def _mattering(content: Content, output: str) -> list[str]:
+    """The inputs that matter, in a clause; none without a sensitivity analysis."""
+    if refusal(content, output):
+        return ["what matters is not answered, because its indices are refused"]
+    found = _leading(content, output)
+    if found is None:
+        return []
+    table, measure, order = found
+    names = names_of(table)
+    if measure not in SHARES:
+        unit = unit_of(measure, table, content.unit(output))
+        size = index(table, measure)
+        largest = digits.with_interval(
+            *(size[part][order[0]] for part in ("value", "low", "high")), most=DECIMALS
+        )
+        return [f"{names[order[0]]} has the largest {measure}, {digits.with_unit(largest, unit)}"]
+    for count in range(1, min(MOST, len(names)) + 1):
+        share = explained(table, order[:count])
+        if share >= ENOUGH:
+            break
+    verb = "explains" if count == 1 else "explain"
+    named = digits.listing(names[k] for k in order[:count])
+    return [f"{named} {verb} {digits.fixed(100.0 * share, 0)}{digits.THIN}% of its variance"]
+
+
+def explained(table: xr.Dataset, inputs: np.ndarray) -> float:
+    """Share of the variance that these inputs explain together, at most 1.
+
+    Sobol' indices: the sum of the first-order indices and of the second-order ones inside the
+    group; the closed index of the group is no less (Saltelli et al. 2008, 4.6). Dependent
+    inputs: the sum of their Shapley effects.
+    """
+    if "first_order" not in table:
+        return float(np.clip(np.nansum(table["shapley"].values[inputs]), 0.0, 1.0))
+    share = float(np.nansum(table["first_order"].values[inputs]))
+    if "second_order" in table:
+        pairs = np.asarray(table["second_order"].values, dtype=float)[np.ix_(inputs, inputs)]
+        share += float(np.nansum(np.tril(np.maximum(pairs, 0.0), -1)))
+    return float(np.clip(share, 0.0, 1.0))
+
+
+def _frozen(content: Content) -> list[str]:
+    """What may be frozen, in a clause; the other outputs of the study have a say in it."""
+    decision = content.screening
+    if decision is None:
+        return []
+    if decision.refused:
+        return ["nothing is frozen, because the indices cannot be trusted"]
+    if not decision.freeze:
+        return ["no input may be frozen"]
+    return [f"{digits.listing(decision.freeze, 6)} may be frozen"]
+
+
+def _leading_words(content: Content, output: str) -> str:
+    found = _leading(content, output)
+    if found is None:
+        return "not answered" if refusal(content, output) else ""
+    table, measure, order = found
+    names, values = names_of(table), np.asarray(table[measure].values, dtype=float)
+    told = digits.column(values[order[:LISTED]], 2)
+    return ", ".join(f"{names[k]} {size}" for k, size in zip(order[:LISTED], told, strict=True))
+
+
+def _shares(content: Content, output: str) -> tuple[tuple[str, float], ...]:
+    """Sizes of the leading measure by input, in the order of the study, the largest 1."""
+    found = _leading(content, output)
+    if found is None:
+        return ()
+    table, measure, _ = found
+    sizes = np.nan_to_num(np.abs(np.asarray(table[measure].values, dtype=float)))
+    whole = 1.0 if measure in SHARES else float(sizes.max(initial=0.0)) or 1.0
+    return tuple(
+        (name, float(min(size / whole, 1.0)))
+        for name, size in zip(names_of(table), sizes, strict=True)
+    )
+
+
+def _how_good(content: Content, output: str, best: str | None) -> Figure | None:
+    """Held-out runs where there are some, otherwise training runs by cross-validation."""
+    if best is None:
+        return None
+    data = parity(content, content.fits_of(output)[best], output)
+    if data.run.size == 0:
+        return None
+    held = ~data.learnt
+    if TEST in content.designs:
+        held &= np.isin(data.run, content.numbers[content.words("design") == TEST])
+    data = data.only(held) if held.any() else data
+    bars = " Bars: 95 % prediction intervals." if np.isfinite(data.half).any() else ""
+    kind = (
+        digits.quantity(int(held.sum()), "held-out run")
+        if held.any()
+        else f"{digits.quantity(len(data.run), 'training run')}, by cross-validation"
+        if data.honest
+        else f"{digits.quantity(len(data.run), 'training run')}, as fitted"
+    )
+    what = "Means of the field. " if content.is_field(output) else ""
+    return Figure(
+        parity_plot(data, output, content.unit(output), best),
+        f"{what}{best} on {kind}. Dashed: exact.{bars}",
+        question="How good is it?",
+    )
+
+
+def _what_matters(content: Content, output: str) -> Figure | None:
+    """The leading index of each input, with its interval."""
+    table = of_output(content, output)
+    if table is None:
+        return None
+    refused = refusal(content, output)
+    names = names_of(table)
+    if "first_order" in table and "total" in table:
+        shown = {"first_order": "first order", "total": "total"}
+    else:
+        leading = next(iter(measures_of(table)), "")
+        if not leading:
+            return None
+        shown = {leading: SHARES.get(leading, leading)}
+    series = [
+        Bars(
+            "dark" if k == 0 else "light",
+            title,
+            *(index(table, name)[part] for part in ("value", "low", "high")),
+        )
+        for k, (name, title) in enumerate(shown.items())
+    ]
+    shares = {"first_order", *SHARES} >= set(shown)
+    unit = unit_of(next(iter(shown)), table, content.unit(output))
+    label = "share of the variance (–)" if shares else digits.labelled(next(iter(shown)), unit)
+    confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
+    what = (
+        "Sobol' indices. Dark: first order; light: total."
+        if len(shown) == 2
+        else f"{next(iter(shown.values()))}."
+    )
+    what = what[:1].upper() + what[1:]
+    bars = f" Whiskers: {confidence} intervals." if np.isfinite(series[-1].low).any() else ""
+    return Figure(
+        index_bars(names, series, label, f"What matters for {output}", trusted=not refused),
+        f"{what}{bars}",
+        stamp=STAMP if refused else "",
+        question="What matters?",
+    )
+
+
+def _what_may_be_frozen(content: Content, output: str) -> Figure | None:
+    """The index that decides, against the limit; nothing without a screening."""
+    decision, table = content.screening, of_output(content, output)
+    if decision is None or table is None or output not in decision.outputs:
+        return None
+    own = "total_high" in table
+    values = {v.parameter: v for v in decision.verdicts}
+    names = names_of(table)
+    found = (
+        index(table, "total")
+        if own
+        else {
+            "value": np.array([values[name].total for name in names]),
+            "low": np.full(len(names), np.nan),
+            "high": np.array([values[name].high for name in names]),
+        }
+    )
+    elsewhere = [
+        name
+        for name, high in zip(names, found["high"], strict=True)
+        if high < decision.freeze_below and name not in decision.freeze
+    ]
+    reason = (
+        f" {digits.listing(elsewhere)} {'is' if len(elsewhere) == 1 else 'are'} kept because of "
+        "another output."
+        if elsewhere and len(decision.outputs) > 1
+        else ""
+    )
+    what = TOTAL if own else "index that decides"
+    return Figure(
+        freezing_plot(
+            names,
+            found,
+            decision.freeze,
+            decision.freeze_below,
+            f"What may be frozen for {output}",
+            trusted=not decision.refused,
+        ),
+        f"{what[:1].upper()}{what[1:]} with its {digits.percent(decision.confidence)} interval. "
+        f"Dashed: limit {digits.number(decision.freeze_below)}. Open: may be frozen.{reason}",
+        stamp=STAMP if decision.refused else "",
+        question="What may be frozen?",
+    )
+
+
+def _how_it_responds(content: Content, output: str, best: str | None) -> Figure | None:
+    """The best surrogate along the leading inputs."""
+    if best is None:
+        return None
+    found = _leading(content, output)
+    names = list(content.space.names)
+    if found is not None:
+        table, _, order = found
+        names = [names_of(table)[k] for k in order]
+    if all(content.space[name].categorical for name in names):
+        return None
+    what = f"mean {output}" if content.is_field(output) else output
+    return Figure(
+        response_plot(
+            content.fits_of(output)[best], content.space, names, content.unit(output), what
+        ),
+        f"{best} along the leading inputs, the others in the middle of their ranges.",
+        question="Which way does it go?",
+    )
