@@ -5,14 +5,8 @@ import sys
 import pytest
 
 from surrogate_solvers.leg_bandage import cli
+from surrogate_solvers.leg_bandage.equilibrium.model import MESHES, Mesh
 from surrogate_solvers.leg_bandage.plugin import LegBandage
-
-
-def pytest_collection_modifyitems(items):
-    """Tests that share solutions run in one process of pytest-xdist."""
-    for item in items:
-        if "solved_once" in getattr(item, "fixturenames", ()):
-            item.add_marker(pytest.mark.xdist_group("solved_once"))
 
 
 class Solutions:
@@ -54,6 +48,18 @@ def solved_once(_solutions, monkeypatch):
 def result(solved_once):
     """One coarse run on the mean leg."""
     return LegBandage(mesh="coarse").run()
+
+
+@pytest.fixture
+def rough(monkeypatch):
+    """Mesh "rough", half as fine as "coarse": for claims that hold on every mesh."""
+    monkeypatch.setitem(MESHES, "rough", Mesh(12, 1, 12, 6))
+
+
+@pytest.fixture
+def rough_result(rough, solved_once):
+    """One rough run on the mean leg."""
+    return LegBandage(mesh="rough").run()
 
 
 @pytest.fixture

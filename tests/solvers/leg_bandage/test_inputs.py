@@ -28,29 +28,35 @@ def test_the_declarations_keep_the_contract():
     check_solver(LegBandage(fabric="biflex_17"), runs=0)
 
 
-def test_a_moved_sensor_reads_the_same_field_elsewhere(result):
+def test_a_moved_sensor_reads_the_same_field_elsewhere(rough_result):
     """The mechanics does not feel the sensor: only what hangs on its place differs.
 
     It lies 6 mm around and 8 mm up, 10 mm from B1.
     """
-    moved = LegBandage(mesh="coarse").run(sensor_around=6.0, sensor_up=8.0)
-    leg, values = result.leg, result.values
+    moved = LegBandage(mesh="rough").run(sensor_around=6.0, sensor_up=8.0)
+    leg, values = rough_result.leg, rough_result.values
     sensor = Disc(MEDIAL, b1_height(leg)).moved(leg, 6.0, 8.0)
-    expected, _ = on_disc(pressure_map(result.model, result.u), leg, sensor)
+    expected, _ = on_disc(pressure_map(rough_result.model, rough_result.u), leg, sensor)
     assert moved.values["pressure_b1"] == expected != values["pressure_b1"]
     for name in ("pressure_b1_girth", "b1_height", "slip_max", "pressure_ankle"):
         assert moved.values[name] == values[name]
     assert np.array_equal(moved.values["pressure_field"], values["pressure_field"])
 
 
-def test_sensor_variation_is_the_mean_over_moved_sensors(result):
+def test_sensor_variation_is_the_mean_over_moved_sensors(rough_result):
     """Eight sensors on a circle of 10 mm, read as `sensor_around` and `sensor_up` move them."""
     places = _circle(10.0)
     assert (0.0, 10.0) == pytest.approx(places[2], abs=1e-12)
-    found, sensor = pressure_map(result.model, result.u), Disc(MEDIAL, b1_height(result.leg))
-    read = [on_disc(found, result.leg, sensor.moved(result.leg, *place))[0] for place in places]
-    mean = np.mean(np.abs(np.array(read) - result.values["pressure_b1"]))
-    assert result.values["sensor_variation"] == pytest.approx(mean, rel=1e-12)
+    found, sensor = (
+        pressure_map(rough_result.model, rough_result.u),
+        Disc(MEDIAL, b1_height(rough_result.leg)),
+    )
+    read = [
+        on_disc(found, rough_result.leg, sensor.moved(rough_result.leg, *place))[0]
+        for place in places
+    ]
+    mean = np.mean(np.abs(np.array(read) - rough_result.values["pressure_b1"]))
+    assert rough_result.values["sensor_variation"] == pytest.approx(mean, rel=1e-12)
 
 
 def test_a_disc_moves_by_true_lengths():
@@ -67,12 +73,12 @@ def test_a_disc_moves_by_true_lengths():
     assert around.z == 60.0
 
 
-def test_the_bandage_starts_where_it_is_told(result):
+def test_the_bandage_starts_where_it_is_told(rough_result):
     """A first end 30 mm higher leaves 30 mm less to climb: 0.6 turns at a pitch of 50 mm."""
-    high = LegBandage(mesh="coarse").run(start_height=20.0)
-    assert result.values["turns"] - high.values["turns"] == pytest.approx(30 / 50, rel=1e-9)
-    assert high.model.lay.skin[:, :, 1].min() > result.model.lay.skin[:, :, 1].min() + 25
-    assert high.values["pressure_ankle"] < result.values["pressure_ankle"]
+    high = LegBandage(mesh="rough").run(start_height=20.0)
+    assert rough_result.values["turns"] - high.values["turns"] == pytest.approx(30 / 50, rel=1e-9)
+    assert high.model.lay.skin[:, :, 1].min() > rough_result.model.lay.skin[:, :, 1].min() + 25
+    assert high.values["pressure_ankle"] < rough_result.values["pressure_ankle"]
 
 
 @pytest.mark.parametrize("name", sorted(BANDAGES))
@@ -113,13 +119,15 @@ def test_the_curved_law_pays_for_its_stretch(result):
     assert 1.0 < curved / result.values["pressure_b1"] < 1.06
 
 
-def test_a_leg_with_sections_of_its_own(result):
+def test_a_leg_with_sections_of_its_own(rough_result):
     """The leg of four coordinates, given by its sections, is the same leg: the same answer."""
-    solver = LegBandage(mesh="coarse")
-    leg = Leg.from_sections(result.leg.length, result.leg.coefficients, result.leg.centre)
+    solver = LegBandage(mesh="rough")
+    leg = Leg.from_sections(
+        rough_result.leg.length, rough_result.leg.coefficients, rough_result.leg.centre
+    )
     own = solver.run(leg)
     assert own.leg.alphas is None
-    assert own.values["pressure_b1"] == result.values["pressure_b1"]
+    assert own.values["pressure_b1"] == rough_result.values["pressure_b1"]
     with pytest.raises(SolverError, match="alpha1: the leg that is given has its own shape"):
         solver.run(leg, alpha1=-0.7)
 

@@ -46,16 +46,16 @@ def test_the_shipped_legs_are_levels():
         solver(leg="patient_7")
 
 
-def test_a_patient_is_a_run_on_its_own_sections(solved_once):
+def test_a_patient_is_a_run_on_its_own_sections(rough, solved_once):
     """The pressure is `LegBandage.run(leg)`'s; what is told of the leg is the basis's word.
 
     Told: equation 10, T = K1 (stretch - 1); coordinates by projection; the error over the
     points of the skin; Laplace's law on the leg's own sections.
     """
     legs, basis = load_cohort("val"), shipped_basis()
-    told = LegBandagePatient(mesh="coarse")(leg="patient_03", bandage="biflex_17", stretch=1.2)
+    told = LegBandagePatient(mesh="rough")(leg="patient_03", bandage="biflex_17", stretch=1.2)
     leg = leg_of(legs, 3)
-    solved = LegBandage(mesh="coarse", fabric="biflex_17")
+    solved = LegBandage(mesh="rough", fabric="biflex_17")
     own = solved.run(leg, stretch=1.2).values
     assert told["pressure_b1"] == own["pressure_b1"]
     assert np.array_equal(told["pressure_field"], own["pressure_field"])

@@ -20,10 +20,7 @@ from surrogate.runs.identity import SolverSpec
 from surrogate.runs.journal import read
 
 pytest.importorskip("dask_jobqueue")
-pytestmark = [
-    pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::DeprecationWarning"),
-    pytest.mark.xdist_group("dask"),
-]
+pytestmark = pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::DeprecationWarning")
 
 REQUEST = {
     "jobs": 20,

@@ -1,8 +1,10 @@
 """The region of failed runs: found where there is one, not told where there is none."""
 
 import numpy as np
+from sklearn.model_selection import StratifiedKFold, cross_val_score
+from sklearn.tree import DecisionTreeClassifier
 
-from surrogate.fitting.failures import failing_region
+from surrogate.fitting.failures import _accuracy, failing_region
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
 
@@ -50,3 +52,14 @@ def test_few_failures_are_not_explained():
     coded = SPACE.sample(50, seed=4)
     assert failing_region(SPACE, coded, np.arange(50) < 4) is None
     assert failing_region(SPACE, coded, np.arange(50) >= 4) is None
+
+
+def test_accuracy_is_scikit_learns():
+    """Ties with shuffled labels count, so every digit of `cross_val_score` is needed."""
+    rng = np.random.default_rng(5)
+    tree = DecisionTreeClassifier(max_depth=2, class_weight="balanced", random_state=0)
+    folds = StratifiedKFold(5, shuffle=True, random_state=0)
+    for seed in range(5):
+        coded, failed = SPACE.sample(60, seed=seed), rng.random(60) < 0.3
+        scores = cross_val_score(tree, coded, failed, cv=folds, scoring="balanced_accuracy")
+        assert _accuracy(tree, coded, failed, folds) == scores.mean()
