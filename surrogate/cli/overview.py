@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from inspect import getdoc
+from shutil import get_terminal_size
 from textwrap import fill
 
 import typer
 
-HEAD = """\
-Usage: surrogate VERB [STUDY.yaml] [OPTIONS]
-
-Designs of experiments, surrogates and sensitivity analysis of expensive simulations.
-"""
-FOOT = """\
-A study is code: verbs that read one load the solver and the modules that it names.
-surrogate VERB --help tells the options of a verb, surrogate --version the version."""
+HEAD = (
+    "Usage: surrogate VERB [STUDY.yaml] [OPTIONS]",
+    "",
+    "Designs of experiments, surrogates and sensitivity analysis of expensive simulations.",
+    "",
+)
+FOOT = (
+    "",
+    "A study is code: verbs that read one load the solver and the modules that it names.",
+    "surrogate VERB --help tells the options of a verb, surrogate --version the version. "
+    "surrogate --install-completion teaches the shell to complete words at TAB.",
+)
+#: Longest line, where the terminal is wider.
+WIDEST = 88
 
 
 def overview(app: typer.Typer) -> str:
@@ -24,9 +31,16 @@ def overview(app: typer.Typer) -> str:
         for one in app.registered_commands
         if one.callback is not None
     ]
-    return "\n".join([HEAD, *(_line(name, text) for name, text in verbs), "", FOOT])
+    width = min(get_terminal_size().columns, WIDEST)
+    return "\n".join(
+        [
+            *(fill(line, width) for line in HEAD),
+            *(_line(name, text, width) for name, text in verbs),
+            *(fill(line, width) for line in FOOT),
+        ]
+    )
 
 
-def _line(name: str, text: str) -> str:
+def _line(name: str, text: str, width: int) -> str:
     first = text.split("\n")[0]
-    return fill(first, width=88, initial_indent=f"  {name:<10}", subsequent_indent=" " * 12)
+    return fill(first, width, initial_indent=f"  {name:<10}", subsequent_indent=" " * 12)

@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rich.console import Console
-from rich.table import Table
+from rich.text import Text
+
+from surrogate.cli.table import Table, wrapped
 
 
 @dataclass(frozen=True)
@@ -15,20 +17,24 @@ class Page:
     """People's text for the terminal, and the same as data for `--json`."""
 
     data: Any
-    parts: Sequence[Any] = field(default=())
+    parts: Sequence[str | Table] = field(default=())
 
     def show(self, console: Console) -> None:
-        """Print the text, nothing cut off where lines can wrap."""
+        """Print the text, no line wider than the terminal; 80 columns where there is none."""
         for part in self.parts:
-            console.print(part, highlight=False, markup=False, soft_wrap=isinstance(part, str))
+            if isinstance(part, str):
+                _print(console, part)
+            else:
+                console.print(part, highlight=False, markup=False)
 
 
-def table(title: str, headings: Sequence[str], rows: Sequence[Sequence[Any]]) -> Table:
-    """A table with numbers aligned to the right."""
-    made = Table(title=title, title_justify="left", box=None, pad_edge=False)
-    for j, heading in enumerate(headings):
-        numeric = bool(rows) and all(isinstance(row[j], int | float) for row in rows)
-        made.add_column(heading, justify="right" if numeric else "left", overflow="fold")
-    for row in rows:
-        made.add_row(*(f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row))
-    return made
+def say(text: object) -> None:
+    """A sentence for people beside the output, on the error stream."""
+    _print(Console(stderr=True), str(text))
+
+
+def _print(console: Console, text: str) -> None:
+    for paragraph in text.split("\n"):
+        lead = paragraph[: len(paragraph) - len(paragraph.lstrip())]
+        for line in wrapped(paragraph, console.width, f"{lead}  " if lead else ""):
+            console.print(Text(line), no_wrap=True, overflow="ignore", crop=False)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from surrogate.cli.page import Page, table
+from surrogate.cli.page import Page
+from surrogate.cli.table import Table
 from surrogate.study.catalogue import catalogue
 
 
 def plugins() -> Page:
     """Every installed plug-in with the first line of its documentation."""
     data = catalogue()
-    parts = [table(kind, ("name", "what it is"), list(rows.items())) for kind, rows in data.items()]
+    parts = [Table(kind, ("name", "what it is"), list(rows.items())) for kind, rows in data.items()]
     return Page(data, [part for made in parts for part in (made, "")])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable
 
@@ -11,14 +10,18 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
+    ProgressColumn,
     SpinnerColumn,
+    Task,
     TaskID,
     TextColumn,
     TimeElapsedColumn,
 )
+from rich.text import Text
 
 from surrogate.execution.progress import Progress as Tally
 from surrogate.stages.stage import Step
+from surrogate.stages.table import STAGES
 
 #: Seconds between two lines where there is no terminal.
 A_LINE = 60.0
@@ -31,16 +34,19 @@ class RunsBar:
     Use as `with RunsBar(name) as bar: execute(..., progress=bar)`.
     """
 
-    def __init__(self, name: str, clock: Callable[[], float] = time.monotonic):
-        self.console, self.minutes = Console(stderr=True), Minutes(clock)
+    def __init__(
+        self, name: str, clock: Callable[[], float] = time.monotonic, *, hidden: bool = False
+    ):
+        self.console, self.minutes = Console(stderr=True, quiet=hidden), Minutes(clock)
         self.bar = Progress(
-            TextColumn(name),
-            BarColumn(),
+            TextColumn(name, markup=False),
+            BarColumn(None),
             MofNCompleteColumn(),
-            TextColumn("{task.fields[note]}"),
+            _Note(),
             console=self.console,
             refresh_per_second=5,
-            disable=not self.console.is_terminal,
+            disable=hidden or not self.console.is_terminal,
+            expand=True,
         )
         self.task: TaskID | None = None
         self.finishing = False
@@ -55,18 +61,28 @@ class RunsBar:
         """Show how far the runs are."""
         first = self.task is None
         if self.task is None:
-            self.task = self.bar.add_task("runs", total=tally.total, note="")
+            self.task = self.bar.add_task("runs", total=tally.total)
             self.bar.start()
-        self.bar.update(self.task, completed=tally.done, note=_note(tally))
+        self.bar.update(self.task, completed=tally.done, tally=tally, at=time.monotonic())
         if tally.finishing is not None and not self.finishing:
             self.finishing = True
             self.bar.console.print(
                 f"stopping: {_waited_for(tally.finishing)}; press Ctrl-C again to stop at once",
-                soft_wrap=True,
                 highlight=False,
             )
         if self.bar.disable and (self.minutes.due() or first or tally.done == tally.total):
-            print(f"{tally.done}/{tally.total} runs {_note(tally)}".rstrip(), file=sys.stderr)
+            line = f"{tally.done}/{tally.total} runs {_note(tally)}".rstrip()
+            self.console.print(line, highlight=False, markup=False)
+
+
+class _Note(ProgressColumn):
+    """What is behind the bar: the time left goes down between two runs."""
+
+    def render(self, task: Task) -> Text:
+        tally: Tally | None = task.fields.get("tally")
+        if tally is None:
+            return Text()
+        return Text(_note(tally, time.monotonic() - task.fields["at"]))
 
 
 class Minutes:
@@ -90,17 +106,21 @@ class StagesBar:
     Use as `with StagesBar(name) as bar: analyse(..., steps=bar)`.
     """
 
-    def __init__(self, name: str, clock: Callable[[], float] = time.monotonic):
-        console = Console(stderr=True)
+    def __init__(
+        self, name: str, clock: Callable[[], float] = time.monotonic, *, hidden: bool = False
+    ):
+        self.console = Console(stderr=True, quiet=hidden)
         self.name, self.minutes = name, Minutes(clock)
         self.bar = Progress(
             SpinnerColumn(),
-            TextColumn(name),
+            TextColumn(name, markup=False),
+            TextColumn("{task.fields[stage]}"),
+            BarColumn(20),
             TextColumn("{task.description}", markup=False),
             TimeElapsedColumn(),
-            console=console,
+            console=self.console,
             transient=True,
-            disable=not console.is_terminal,
+            disable=hidden or not self.console.is_terminal,
         )
         self.task: TaskID | None = None
         self.job = ("", "")
@@ -120,9 +140,17 @@ class StagesBar:
         else:
             if self.task is not None:
                 self.bar.remove_task(self.task)
-            self.task, self.job = self.bar.add_task(text), (step.stage, step.label)
+            self.job = (step.stage, step.label)
+            how_far = {"total": step.total, "completed": step.done}
+            self.task = self.bar.add_task(text, **how_far, stage=_number(step.stage))
         if self.bar.disable and self.minutes.due():
-            print(f"{self.name}: {text}", file=sys.stderr)
+            self.console.print(f"{self.name}: {text}", highlight=False, markup=False)
+
+
+def _number(stage: str) -> str:
+    """`stage 3 of 14`, as the table counts."""
+    names = [one.name for one in STAGES]
+    return f"stage {names.index(stage) + 1} of {len(names)}" if stage in names else ""
 
 
 def _said(step: Step) -> str:
@@ -143,11 +171,12 @@ def _waited_for(runs: int) -> str:
     )
 
 
-def _note(tally: Tally) -> str:
+def _note(tally: Tally, since: float = 0.0) -> str:
+    """Runs reused and failed, and the time left; since: seconds from when it was told."""
     parts = [f"{tally.reused} reused"] if tally.reused else []
     parts += [f"{tally.failed} failed"] if tally.failed else []
     if tally.seconds_left is not None and tally.done < tally.total:
-        parts.append(f"{duration(tally.seconds_left)} left")
+        parts.append(f"{duration(max(tally.seconds_left - since, 0.0))} left")
     return ", ".join(parts)
 
 

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from rich.table import Table
 
-from surrogate.cli.page import Page, table
+from surrogate.cli.page import Page
 from surrogate.cli.progress import duration
 from surrogate.cli.results import Outcome
 from surrogate.cli.results import store as store_runs
 from surrogate.cli.results import validate as validate_with
+from surrogate.cli.table import Table
 from surrogate.execution.fresh import interrupted
 from surrogate.runs import dataset as rundata
 from surrogate.stages.summary import figures_of
@@ -39,21 +39,21 @@ def check(study: Study, results: Path) -> Page:
         for d in study.designs.values()
     ]
     aliases = study.aliases
-    parts: list[Any] = [
+    parts: list[str | Table] = [
         f"{study.name}: {study.about}\n",
-        table("parameters", ("name", "unit", "values"), parameters),
+        Table("parameters", ("name", "unit", "values"), parameters),
         "",
     ]
     if study.space.constraints:
         kept = [(one.text,) for one in study.space.constraints]
-        parts += [table("constraints", ("all points keep",), kept), ""]
+        parts += [Table("constraints", ("all points keep",), kept), ""]
     if study.constants:
         rows = [
             (name, study.spec.solver.inputs[name].unit, value)
             for name, value in study.constants.items()
         ]
-        parts += [table("constants", ("name", "unit", "value"), rows), ""]
-    parts += [table("designs", ("name", "method", "runs", "of these added"), designs), ""]
+        parts += [Table("constants", ("name", "unit", "value"), rows), ""]
+    parts += [Table("designs", ("name", "method", "runs", "of these added"), designs), ""]
     for name, alias in aliases.items():
         parts.append(f"aliasing of {name}: {alias}\n")
     parts += _constraint_lines(study)
@@ -139,7 +139,7 @@ def status(study: Study, results: Path) -> Page:
     counts = rundata.counts(stored)
     counts["missing"] += unfound
     words = {"ok": "done", "failed": "failed", "timed_out": "timed out", "missing": "left"}
-    parts: list[Any] = [
+    parts: list[str | Table] = [
         f"{study.name}: "
         + ", ".join(f"{counts[key]} {word}" for key, word in words.items() if counts[key])
     ]
@@ -202,11 +202,11 @@ def validate(study: Study, results: Path, cases: Path | None) -> Page:
     return Page({**figures_of(found), "report": str(page)}, parts)
 
 
-def _validation_tables(figures: Mapping[str, Any]) -> list[Any]:
+def _validation_tables(figures: Mapping[str, Any]) -> list[str | Table]:
     """How many cases, which were excluded, and a table for each output."""
     inside, why = figures["inside"]["values"], figures["outside"]["values"]
     labels, models = figures["case"]["values"], figures["model"]["values"]
-    parts: list[Any] = [
+    parts: list[str | Table] = [
         f"validation: {len(inside)} cases from {figures['attributes']['cases']}, "
         f"{inside.count(False)} outside the ranges and excluded"
     ]
@@ -219,7 +219,7 @@ def _validation_tables(figures: Mapping[str, Any]) -> list[Any]:
             (title, *(_agreed(figures, key, k, j) for j in range(len(models))))
             for key, title in _AGREEMENT.items()
         ]
-        parts.append(table(f"{output} ({units[k] or '-'})", ("", *models), rows))
+        parts.append(Table(f"{output} ({units[k] or '-'})", ("", *models), rows))
     return parts
 
 
@@ -251,10 +251,10 @@ def _agreed(figures: Mapping[str, Any], key: str, output: int, model: int) -> st
 def outcome(study: Study, done: Outcome) -> Page:
     """The findings in a few lines, and where the report is."""
     figures = done.summary
-    parts: list[Any] = []
+    parts: list[str | Table] = []
     for key, titles in (("comparison", _COMPARED), ("sensitivity", _INDICES)):
         if figures[key]:
-            parts += [*_figure_tables(figures[key], titles), ""]
+            parts += [part for made in _figure_tables(figures[key], titles) for part in (made, "")]
     if figures["validation"]:
         parts += [*_validation_tables(figures["validation"]), ""]
     if figures["screening"]:
@@ -305,7 +305,7 @@ def _figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> lis
             if not key.endswith(("_low", "_high", "_sampling", "_surrogate"))
         }
         made.append(
-            table(
+            Table(
                 output,
                 (kind, *columns.values()),
                 [
@@ -351,7 +351,7 @@ def predict(
 ) -> Page:
     """Values with intervals at points given as words or as a CSV file."""
     found = prediction.predict(study, results, surrogate, words, points)
-    parts: list[Any] = [found.note] if found.note else []
+    parts: list[str | Table] = [found.note] if found.note else []
     rows = []
     for row in found.rows:
         for output, answer in row["outputs"].items():
@@ -375,7 +375,7 @@ def predict(
                 )
             )
     parts.append(
-        table(
+        Table(
             "",
             ("point", "output", "surrogate", "value", "95 % interval", "range of the study"),
             rows,

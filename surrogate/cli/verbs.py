@@ -11,17 +11,16 @@ from __future__ import annotations
 import json
 import os
 import sys
-import traceback
-from contextlib import suppress
 from io import TextIOWrapper
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from surrogate.cli.ending import carried_out, stop
+from surrogate.cli.options import AsJson, Quiet, Results, RetryFailed, StudyFile, Surrogate, Values
 from surrogate.cli.retrying import RetryingCommand, chosen
-from surrogate.errors import DesignError, PluginError, StudyError, SurrogateError
 
 if TYPE_CHECKING:
     from surrogate.cli.page import Page
@@ -35,34 +34,16 @@ class _Verbs(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
-        except KeyboardInterrupt as stop:
-            _stop(stop if stop.args else "interrupted", 130)
+        except KeyboardInterrupt as interrupt:
+            stop(interrupt if interrupt.args else "interrupted", 130)
 
 
 app = typer.Typer(
     cls=_Verbs,
-    add_completion=False,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Designs of experiments, surrogates and sensitivity analysis of expensive simulations.",
 )
-
-StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.yaml", help="The study file.")]
-Results = Annotated[
-    Path | None,
-    typer.Option(
-        "--results", metavar="DIR", help="Results go to DIR/<study>; default: results/<study>."
-    ),
-]
-RetryFailed = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--retry-failed",
-        metavar="[WHICH]",
-        help="Do failed and timed-out runs again; WHICH: failed, timed_out or 'message~text'.",
-    ),
-]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for scripts.")]
 
 
 @app.callback(invoke_without_command=True)
@@ -83,16 +64,20 @@ def new(
         Path | None,
         typer.Option(metavar="FILE", help="A table of runs or tests: csv, tsv, xlsx, parquet, nc."),
     ] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Write NAME.yaml: a commented study to start from, of a table with --data."""
     from surrogate.study import template
 
     path = template.write(name, data=data)
-    print(f"{path} is written; next: surrogate check {path}")
+    if not quiet:
+        print(f"{path} is written; next: surrogate check {path}")
 
 
 @app.command()
-def check(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
+def check(
+    study: StudyFile, results_dir: Results = None, as_json: AsJson = False, quiet: Quiet = False
+) -> None:
     """Show parameters, designs, aliasing, number of runs and time. Runs nothing.
 
     A study is code: reading it loads and builds the solver that it names, and loads the
@@ -101,7 +86,8 @@ def check(study: StudyFile, results_dir: Results = None, as_json: AsJson = False
     from surrogate.cli import results, terminal
 
     loaded = _read(study)
-    _show(terminal.check(loaded, results.folder_of(loaded, results_dir)), as_json)
+    page = terminal.check(loaded, results.folder_of(loaded, results_dir))
+    _show(page, as_json, hidden=quiet)
 
 
 @app.command(cls=RetryingCommand)
@@ -109,6 +95,7 @@ def run(
     study: StudyFile,
     results_dir: Results = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
     retry_failed: RetryFailed = None,
     fresh: Annotated[
@@ -117,14 +104,15 @@ def run(
 ) -> None:
     """Do what is missing: runs, fits, indices, report. Ctrl-C is safe."""
     from surrogate.cli import results
+    from surrogate.cli.page import say
     from surrogate.cli.progress import RunsBar, StagesBar
 
     loaded = _read(study)
     folder = results.folder_of(loaded, results_dir)
     loaded = loaded.found(folder)
-    for sentence in () if fresh else [*loaded.unused, *loaded.damaged(folder)]:
-        print(sentence, file=sys.stderr)
-    with RunsBar(loaded.name) as bar:
+    for sentence in () if fresh else [*([] if quiet else loaded.unused), *loaded.damaged(folder)]:
+        say(sentence)
+    with RunsBar(loaded.name, hidden=quiet) as bar:
         runs = results.do_runs(
             loaded,
             folder,
@@ -133,9 +121,9 @@ def run(
             fresh=fresh,
             progress=bar,
         )
-    with StagesBar(loaded.name) as steps:
+    with StagesBar(loaded.name, hidden=quiet) as steps:
         outcome = results.analyse(loaded, folder, runs, workers=workers, steps=steps)
-    _finish(loaded, outcome, as_json)
+    _finish(loaded, outcome, as_json, quiet)
 
 
 @app.command(cls=RetryingCommand)
@@ -143,6 +131,7 @@ def work(
     study: StudyFile,
     results_dir: Results = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
     workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
     retry_failed: RetryFailed = None,
 ) -> None:
@@ -156,7 +145,7 @@ def work(
 
     loaded = _read(study)
     folder = results.folder_of(loaded, results_dir)
-    with RunsBar(loaded.name) as bar:
+    with RunsBar(loaded.name, hidden=quiet) as bar:
         loaded.run(
             workers=workers,
             results=folder,
@@ -164,7 +153,7 @@ def work(
             retry_failed=chosen(retry_failed),
             progress=bar,
         )
-    _show(terminal.status(loaded, folder), as_json)
+    _show(terminal.status(loaded, folder), as_json, hidden=quiet)
 
 
 @app.command()
@@ -172,6 +161,7 @@ def status(
     study: StudyFile,
     results_dir: Results = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
     watch: Annotated[bool, typer.Option("--watch", help="Again until all are done.")] = False,
 ) -> None:
     """Count the runs that are done, failed and left; show the time left."""
@@ -181,39 +171,54 @@ def status(
     if watch:
         from surrogate.cli.watching import watch as keep_showing
 
-        keep_showing(loaded, results.folder_of(loaded, results_dir))
+        keep_showing(loaded, results.folder_of(loaded, results_dir), as_json=as_json)
         return
     _show(terminal.status(loaded, results.folder_of(loaded, results_dir)), as_json)
 
 
 @app.command()
-def report(study: StudyFile, results_dir: Results = None, as_json: AsJson = False) -> None:
+def report(
+    study: StudyFile, results_dir: Results = None, as_json: AsJson = False, quiet: Quiet = False
+) -> None:
     """Rebuild the report from the stored runs. Runs nothing."""
     from surrogate.cli import results
     from surrogate.cli.progress import StagesBar
 
     loaded = _read(study)
     folder = results.folder_of(loaded, results_dir)
-    with StagesBar(loaded.name) as steps:
+    with StagesBar(loaded.name, hidden=quiet) as steps:
         outcome = results.analyse(loaded, folder, again=True, steps=steps)
-    _finish(loaded, outcome, as_json)
+    _finish(loaded, outcome, as_json, quiet)
+
+
+@app.command("open")
+def open_report(study: StudyFile, results_dir: Results = None, quiet: Quiet = False) -> None:
+    """Show the report in the browser, and say where it lies. Runs nothing."""
+    from surrogate.cli import browsing, results
+    from surrogate.cli.page import say
+
+    loaded = _read(study)
+    path, notes = browsing.report_of(loaded, results.folder_of(loaded, results_dir), study)
+    if not quiet:
+        print(path, flush=True)
+        for note in notes:
+            say(note)
+    if not browsing.browse(path):
+        say("no browser can be started here; open the file in one")
+        raise typer.Exit(1)
 
 
 @app.command()
 def predict(
     study: StudyFile,
-    at: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[NAME=VALUE]...", help="A value for each parameter."),
-    ] = None,
+    at: Values = None,
     points: Annotated[
         Path | None, typer.Option(metavar="CSV", help="Points; the header names the parameters.")
     ] = None,
-    surrogate: Annotated[
-        str | None, typer.Option(metavar="S", help="Which surrogate; default: the best.")
-    ] = None,
+    surrogate: Surrogate = None,
     results_dir: Results = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Predict outputs at new points, with intervals. Runs nothing."""
     from surrogate.cli import results, terminal
@@ -232,6 +237,7 @@ def validate(
     study: StudyFile,
     results_dir: Results = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
     cases: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="CSV, runs dataset or study; default: the study's own."),
@@ -249,6 +255,7 @@ def store(
     study: StudyFile,
     results_dir: Results = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
     to: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Default: runs/<study>.nc beside the study.")
     ] = None,
@@ -257,7 +264,8 @@ def store(
     from surrogate.cli import results, terminal
 
     loaded = _read(study)
-    _show(terminal.store(loaded, results.folder_of(loaded, results_dir), to), as_json)
+    page = terminal.store(loaded, results.folder_of(loaded, results_dir), to)
+    _show(page, as_json, hidden=quiet)
 
 
 @app.command()
@@ -265,14 +273,13 @@ def serve(
     study: StudyFile,
     results_dir: Results = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="0 for any free one.")] = 4242,
-    surrogate: Annotated[
-        str | None, typer.Option(metavar="S", help="Which surrogate; default: the best.")
-    ] = None,
+    surrogate: Surrogate = None,
     solver: Annotated[bool, typer.Option("--solver", help="Serve the solver itself.")] = False,
     host: Annotated[
         str, typer.Option(help="Address to listen at; the default is this machine only.")
     ] = "127.0.0.1",
     workers: Annotated[int | None, typer.Option(min=1, help="Processes of the solver.")] = None,
+    quiet: Quiet = False,
 ) -> None:
     """Serve the surrogates, or the solver, to other programs by UM-Bridge, until Ctrl-C."""
     from surrogate.cli import results, serving
@@ -287,14 +294,13 @@ def serve(
         host=host,
         workers=workers,
     ) as server:
-        print(
-            f"{loaded.name}: http://{host}:{server.server_address[1]}; Ctrl-C ends it", flush=True
-        )
+        address = f"http://{host}:{server.server_address[1]}"
+        print(address if quiet else f"{loaded.name}: {address}; Ctrl-C ends it", flush=True)
         server.serve_forever()
 
 
 @app.command("list")
-def list_plugins(as_json: AsJson = False) -> None:
+def list_plugins(as_json: AsJson = False, quiet: Quiet = False) -> None:
     """List solvers, designs, regressors and sensitivity methods, one line each."""
     from surrogate.cli.plugins import plugins
 
@@ -302,7 +308,7 @@ def list_plugins(as_json: AsJson = False) -> None:
 
 
 @app.command()
-def schema() -> None:
+def schema(quiet: Quiet = False) -> None:
     """Print the JSON Schema of the study file."""
     from surrogate.study.schema import json_schema
 
@@ -315,21 +321,23 @@ def _read(path: Path) -> Study:
     return Study.from_yaml(path)
 
 
-def _finish(study: Study, outcome: Outcome, as_json: bool) -> None:
+def _finish(study: Study, outcome: Outcome, as_json: bool, quiet: bool) -> None:
     from surrogate.cli import terminal
+    from surrogate.cli.page import say
 
-    _show(terminal.outcome(study, outcome), as_json)
+    _show(terminal.outcome(study, outcome), as_json, hidden=quiet)
     if outcome.trouble:
-        print(outcome.trouble, file=sys.stderr)
+        say(outcome.trouble)
         raise typer.Exit(1)
 
 
-def _show(page: Page, as_json: bool) -> None:
+def _show(page: Page, as_json: bool, *, hidden: bool = False) -> None:
+    """Print a page, or its data; hidden: nothing where no data was asked for."""
     if as_json:
         from surrogate.stages.summary import json_data
 
         print(json.dumps(json_data(page.data), indent=1, default=str, allow_nan=False))
-    else:
+    elif not hidden:
         from rich.console import Console
 
         page.show(Console())
@@ -340,51 +348,14 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # paths may hold bytes that are no UTF-8
             stream.reconfigure(errors="backslashreplace")
-    try:
-        _carry_out()
-    except (StudyError, DesignError, PluginError) as error:
-        _stop(error, 2)
-    except SurrogateError as error:
-        _stop(error, 1)
-    except BrokenPipeError:  # whoever read our output has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-        sys.exit(1)
-    except OSError as error:
-        _stop(_refused(error), 1)
-    except Exception as error:  # a mistake of ours, not of the user
-        log = Path("surrogate-error.log").absolute()
-        with suppress(OSError):
-            log.write_text(traceback.format_exc(), encoding="utf-8")
-        _stop(
-            f"internal error: {type(error).__name__}: {error}\nFinished runs are kept. "
-            f"Please report it with {log}",
-            1,
-        )
+    carried_out(_command)
 
 
-def _carry_out() -> None:
-    try:
-        if sys.argv[1:] in ([], ["-h"], ["--help"]):
-            from surrogate.cli.overview import overview
+def _command() -> None:
+    completes = "_SURROGATE_COMPLETE" in os.environ  # then the words stand there, not in argv
+    if not completes and sys.argv[1:] in ([], ["-h"], ["--help"]):
+        from surrogate.cli.overview import overview
 
-            print(overview(app))
-        else:
-            app()
-    finally:
-        sys.stdout.flush()
-
-
-def _refused(error: OSError) -> str:
-    """What the system refused: a file or folder, or, without a name, the output."""
-    if error.filename is None:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what still waits has nowhere to go
-        return f"the output cannot be written: {error.strerror or error}"
-    return (
-        f"{os.fsdecode(error.filename)}: {error.strerror or error}; make room or choose another "
-        "folder with --results, then do it again. Finished runs are kept"
-    )
-
-
-def _stop(why: object, status: int) -> NoReturn:
-    print(why, file=sys.stderr)
-    sys.exit(status)
+        print(overview(app))
+    else:
+        app(prog_name="surrogate")

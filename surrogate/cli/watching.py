@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections.abc import Callable, Mapping
@@ -11,7 +12,9 @@ from typing import Any
 from rich.console import Console
 
 from surrogate.cli import terminal
+from surrogate.cli.page import Page
 from surrogate.cli.progress import duration
+from surrogate.stages.summary import json_data
 from surrogate.study.study import Study
 
 #: Seconds between two looks on a terminal, and between two lines elsewhere.
@@ -23,17 +26,23 @@ def watch(
     results: Path,
     console: Console | None = None,
     sleep: Callable[[float], None] = time.sleep,
+    as_json: bool = False,
 ) -> None:
-    """Show the status until all runs are done: a page on a terminal, else a line a minute."""
+    """Show the status until all runs are done: a page on a terminal, else a line a minute.
+
+    as_json: a line of JSON in place of either.
+    """
     console = console or Console()
     while True:
         page = terminal.status(study, results)
-        if console.is_terminal:
+        if as_json:
+            print(json.dumps(json_data(page.data), allow_nan=False), flush=True)
+        elif console.is_terminal:
             console.clear()
             page.show(console)
         else:
             line = f"{time.strftime('%H:%M')} {_line(str(page.parts[0]), page.data)}"
-            console.print(line, highlight=False, markup=False, soft_wrap=True)
+            Page(page.data, [line]).show(console)
             sys.stdout.flush()
         if not page.data["runs"]["missing"]:
             return

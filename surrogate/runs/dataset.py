@@ -22,6 +22,7 @@ from surrogate.runs.files import write_bytes
 from surrogate.runs.identity import RunInputs
 from surrogate.runs.names import RESERVED_NAMES
 from surrogate.runs.netcdf import encoded
+from surrogate.runs.time_left import time_left
 
 #: Status of a row: has an answer, has none, took too long, was not run yet.
 STATUSES = ("ok", "failed", "timed_out", "missing")
@@ -127,13 +128,11 @@ def seconds_left(runs: xr.Dataset, workers: int = 1, more: int = 0) -> float | N
     more: runs that are missing besides those of the dataset. Equal points are counted once per
     row, so it errs on the long side.
     """
-    missing = counts(runs)["missing"] + more
-    seconds = runs["seconds"].values
-    if missing == 0:
-        return 0.0
-    if not np.isfinite(seconds).any():
-        return None
-    return missing * float(np.nanmean(seconds)) / workers
+    took = runs["seconds"].values
+    begun = runs["finished"].values - (took * 1e9).astype("timedelta64[ns]")
+    seconds = took[np.argsort(begun, kind="stable")]
+    left = counts(runs)["missing"] + more
+    return time_left(seconds[np.isfinite(seconds)].tolist(), [], left, workers)
 
 
 def described(runs: xr.Dataset, attribute: str) -> Any:

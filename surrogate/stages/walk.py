@@ -80,6 +80,11 @@ class Walk:
             self._forget()
         return fresh
 
+    def is_up_to_date(self, name: str) -> bool:
+        """True when the files of a stage are there, whole, and made from what is known now."""
+        entry = written.read(self.folder).get(name)
+        return written.sound(self.folder, entry, self.digest(name))
+
     def _forget(self) -> None:
         """Delete what is kept of jobs that the study no longer asks for."""
         for stage in self.stages:

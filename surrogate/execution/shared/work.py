@@ -291,7 +291,7 @@ class _Worker:
     def _most(self) -> int:
         """Runs that this worker has at a time: one a place, more of short ones."""
         places = self.settings.places or 1
-        recent = self.tally.seconds[-50:]
+        recent = self.tally.seconds
         mean = sum(recent) / len(recent) if recent else AHEAD_SECONDS
         return max(places, min(MOST_AHEAD, int(AHEAD_SECONDS * places / max(mean, 1e-6))))
 

@@ -6,7 +6,7 @@ from surrogate.stages.stage import Step
 
 
 def test_a_line_a_minute_where_there_is_no_terminal(capsys):
-    """Surrogate, output, count and time left; nothing in the first minute."""
+    """Stage, surrogate, output, count and time left; nothing in the first minute."""
     now = [0.0]
     with StagesBar("mine", clock=lambda: now[0]) as bar:
         bar(Step("fits", "linear of flow", 0, 3))

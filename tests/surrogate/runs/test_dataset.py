@@ -255,7 +255,7 @@ def test_selects_and_counts(runs):
     assert rundata.counts(runs) == {"ok": 4, "failed": 1, "timed_out": 1, "missing": 1}
     assert rundata.select(runs, statuses=["failed", "timed_out"]).sizes["run"] == 2
     assert rundata.select(runs, designs=["test"], statuses=["ok"])["x"].values.tolist() == [3.0]
-    expected = float(runs["seconds"].mean()) / 2
+    expected = float(runs["seconds"].mean())  # of one run: a second worker is no help
     assert rundata.seconds_left(runs, workers=2) == pytest.approx(expected, rel=1e-12)
     assert rundata.seconds_left(runs.isel(run=slice(0, 6))) == 0.0
 
