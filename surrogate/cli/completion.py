@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import re
+import string
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from itertools import islice
@@ -18,6 +19,8 @@ import typer
 #: The line that makes a YAML file a study stands in its first bytes.
 _STUDY, _HEAD = re.compile(rb"^study\s*:", re.MULTILINE), 8192
 #: Folders in which no study is looked for, and files that are looked into at most.
+_UNREADABLE = (OSError, LookupError, AttributeError, TypeError, UnicodeError, StopIteration)
+_NOT_HIDDEN = tuple(string.ascii_letters + string.digits + "_")
 _SKIPPED, _MOST = {"results", "node_modules", "__pycache__"}, 2000
 
 
@@ -31,11 +34,11 @@ def study_files(incomplete: str) -> list[str]:
 def _yaml_below(folder: Path, begun: str) -> Iterator[tuple[str, Path]]:
     """YAML files of a folder whose names start with `begun`, and of its folders that do."""
     for entry in _entries(folder):
-        if not entry.name.startswith(begun):
+        if not entry.name.startswith(begun or _NOT_HIDDEN):
             continue
         if entry.name.endswith((".yaml", ".yml")):
             yield entry.name, Path(entry.path)
-        elif entry.name not in _SKIPPED and (begun or not entry.name.startswith(".")):
+        elif entry.name not in _SKIPPED:
             for inner in _entries(Path(entry.path)):
                 if inner.name.endswith((".yaml", ".yml")):
                     yield os.path.join(entry.name, inner.name), Path(inner.path)
@@ -58,12 +61,12 @@ def surrogates(ctx: typer.Context, incomplete: str) -> list[str]:
     return [name for name in _section(ctx, "surrogates") if name.startswith(incomplete)]
 
 
-def parameters(ctx: typer.Context, args: list[str], incomplete: str) -> list[str]:
+def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
     """`NAME=` of each parameter that has no value yet, and the word with a value in its middle.
 
     Two words that begin alike keep the shell from ending the word behind the `=`.
     """
-    given = {word.partition("=")[0] for word in args}
+    given = {word.partition("=")[0] for word in ctx.params.get("at") or ()}
     left = {n: p for n, p in _section(ctx, "parameters").items() if n not in given}
     words = [f"{name}={end}" for name, part in left.items() for end in ("", *_examples(part))]
     return [word for word in words if word.startswith(incomplete)]
@@ -83,12 +86,21 @@ def _examples(part: Any) -> list[str]:
 
 
 def _section(ctx: typer.Context, name: str) -> Mapping[str, Any]:
-    """A section of the study on the command line, as written; empty when it cannot be read."""
+    """A section of the study on the command line, as written; empty when it cannot be read.
+
+    An option that still waits for its value keeps the words from being understood: then the
+    study is the word that names a YAML file.
+    """
     import yaml
 
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    with suppress(OSError, yaml.YAMLError, KeyError, AttributeError, TypeError, UnicodeError):
-        text = Path(ctx.params["study"]).expanduser().read_text(encoding="utf-8")
+    named = [
+        ctx.params.get("study"),
+        *(word for word in ctx.args if word.endswith((".yaml", ".yml"))),
+    ]
+    with suppress(*_UNREADABLE, yaml.YAMLError):
+        study = next(one for one in named if one)
+        text = Path(study).expanduser().read_text(encoding="utf-8")
         found = yaml.load(text, loader)[name]
         return {str(key): part for key, part in found.items()}
     return {}

@@ -53,13 +53,18 @@ class Table:
 
 @dataclass(frozen=True)
 class _Column:
-    """A column: figures are not wrapped, text is; widest and narrowest useful width."""
+    """A column: figures are not wrapped, text is.
+
+    widest, narrowest  width without wrapping, and least width that reads well
+    word               width of its longest word
+    """
 
     heading: str
     cells: Sequence[str]
     numeric: bool
     widest: int
     narrowest: int
+    word: int
 
     @classmethod
     def of(cls, heading: str, values: Sequence[Any]) -> _Column:
@@ -74,6 +79,7 @@ class _Column:
             bool(values) and all(isinstance(value, int | float) for value in values),
             max(whole, cell_len(heading)),
             max(head, whole if figures else max(word, min(whole, NARROW))),
+            max(head, word),
         )
 
 
@@ -94,7 +100,8 @@ def _widths(block: Sequence[_Column], width: int) -> list[int]:
     """A width for each column: the widest that fit, the widest columns giving way first."""
     room = max(width - len(GAP) * (len(block) - 1), len(block))
     widths = [min(column.widest, room) for column in block]
-    for floor in ([column.narrowest for column in block], [1] * len(block)):
+    floors = ([one.narrowest for one in block], [one.word for one in block], [1] * len(block))
+    for floor in floors:
         while sum(widths) > room:
             able = [j for j, least in enumerate(floor) if widths[j] > least]
             if not able:

@@ -67,11 +67,12 @@ def new(
     quiet: Quiet = False,
 ) -> None:
     """Write NAME.yaml: a commented study to start from, of a table with --data."""
+    from surrogate.cli.page import Page
     from surrogate.study import template
 
     path = template.write(name, data=data)
-    if not quiet:
-        print(f"{path} is written; next: surrogate check {path}")
+    done = f"{path} is written; next: surrogate check {path}"
+    _show(Page({"file": str(path)}, [done]), False, hidden=quiet)
 
 
 @app.command()
