@@ -141,8 +141,9 @@ class StagesBar:
             if self.task is not None:
                 self.bar.remove_task(self.task)
             self.job = (step.stage, step.label)
-            how_far = {"total": step.total, "completed": step.done}
-            self.task = self.bar.add_task(text, **how_far, stage=_number(step.stage))
+            self.task = self.bar.add_task(
+                text, total=step.total, completed=step.done, stage=_number(step.stage)
+            )
         if self.bar.disable and self.minutes.due():
             self.console.print(f"{self.name}: {text}", highlight=False, markup=False)
 
