@@ -5,33 +5,51 @@ one that reduces the residual most. Degree and number of terms are those with th
 smallest error on folds for which the terms were chosen anew. The leave-one-out error
 with the terms kept (Blatman and Sudret 2011) is in closed form, but as a judge of the
 choice it is too kind: on noisy runs it took as many terms as it was allowed.
+
+Above `MANY` runs all of this is done on sums of products, see `moments`: terms are chosen with
+`CHOOSING` of the runs, and fitted to all of them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import chain
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import linalg
 from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.estimator import Groups
 from surrogate.regressors import anova, regression
-from surrogate.regressors.orthogonal import Basis, Index, basis, hyperbolic, products
+from surrogate.regressors.moments import FitOfMany, fit_of_many, moments, path, predicted, total
+from surrogate.regressors.moments import best_count as best_count_of_many
+from surrogate.regressors.orthogonal import Basis, Index, Rows, basis, hyperbolic, products
+from surrogate.regressors.pursuit import TERMS, best_count, pursue
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
 
 #: Larger sets of candidate terms are not tried.
 CANDIDATES = 5000
-#: An expansion of more terms is not sparse.
-TERMS = 200
 #: Degrees tried without a smaller error before the search ends; functions with a symmetry
 #: gain only at every other one.
 PATIENCE = 4
 FOLDS = 5
+#: Above so many runs only sums of products are kept, which cost half of the digits.
+MANY = 1000
+#: Of many runs so many choose the terms, of this many candidates at most: the time of the sums
+#: grows with runs times candidates squared.
+CHOOSING, CANDIDATES_OF_MANY = 10_000, 2500
+
+
+#: Offered by a fit of many runs only.
+_of_many: Callable[[Callable[..., Any]], Any] = available_if(
+    lambda chaos: isinstance(getattr(chaos, "model_", None), FitOfMany)
+)
 
 
 class PolynomialChaos(RegressorMixin, BaseEstimator):
@@ -44,8 +62,8 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
                 None for inputs uniform on [-1, 1]
 
     Fitted: `indices_` (which product each term is), `coef_` (p,), `degree_`,
-    `model_` (`regression.LeastSquares` of the chosen terms), `error_` (mean squared error
-    on the folds of the choice, a share of the variance).
+    `model_` (`regression.LeastSquares` of the chosen terms, of many runs `moments.FitOfMany`),
+    `error_` (mean squared error on the folds of the choice, a share of the variance).
     """
 
     def __init__(
@@ -70,9 +88,14 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
             )
         parameters = self.space.parameters if self.space else [None] * points.shape[1]
         self.bases_ = [basis(parameter, self.max_degree) for parameter in parameters]
-        self.indices_, self.degree_, self.error_ = self._select(points, outputs)
-        names = [self._name(index) for index in self.indices_]
-        self.model_ = regression.least_squares(self._matrix(points), outputs, names)
+        self.model_: regression.LeastSquares | FitOfMany
+        if len(outputs) > MANY:
+            self.indices_, self.degree_, self.error_ = self._select_of_many(points, outputs)
+            self.model_ = fit_of_many(self._rows(self.indices_), points, outputs)
+        else:
+            self.indices_, self.degree_, self.error_ = self._select(points, outputs)
+            names = [self._name(index) for index in self.indices_]
+            self.model_ = regression.least_squares(self._matrix(points), outputs, names)
         self.coef_ = self.model_.coefficients
         return self
 
@@ -93,13 +116,54 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
                 chosen = tuple(indices[j] for j in sorted(pursue(matrix, y, count)))
         return chosen, at, best
 
+    def _select_of_many(self, X: Array, y: Array) -> tuple[tuple[Index, ...], int, float]:
+        """The same as `_select`, on sums of products over some of the runs."""
+        X, y = self._choosing(X, y - y.mean())
+        folds = np.random.default_rng(self.seed).permutation(np.arange(len(y)) % FOLDS)
+        best, at, reach = 1.0, 0, 0
+        chosen: tuple[Index, ...] = ((),)
+        for degree in range(1, self.max_degree + 1):
+            indices = self._candidates(degree)
+            if len(indices) > CANDIDATES_OF_MANY or degree > at + PATIENCE:
+                break
+            if degree > reach:
+                reach = self._reach(at + PATIENCE)
+                known = self._candidates(reach)
+                sums = moments(self._rows(known), X, y, folds)
+                places = {index: place for place, index in enumerate(known)}
+            own = [one.of([places[index] for index in indices]) for one in sums]
+            count, error = best_count_of_many(own, TERMS)
+            if error < best * (1.0 - 1e-9):
+                best, at = error, degree
+                chosen = tuple(indices[j] for j in sorted(path(total(own), count).order))
+        return chosen, at, best
+
+    def _reach(self, degree: int) -> int:
+        """The largest degree up to this one that is tried with many runs."""
+        degrees = range(1, min(degree, self.max_degree) + 1)
+        return max(d for d in degrees if len(self._candidates(d)) <= CANDIDATES_OF_MANY)
+
+    def _candidates(self, degree: int) -> tuple[Index, ...]:
+        return hyperbolic(_sizes(self.bases_), degree, self.hyperbolic)
+
+    def _choosing(self, *columns: NDArray[Any]) -> list[NDArray[Any]]:
+        """The runs that choose the terms, of each array (n, ...)."""
+        n = len(columns[0])
+        if n <= CHOOSING:
+            return list(columns)
+        rows = np.random.default_rng(self.seed).permutation(n)[:CHOOSING]
+        return [column[rows] for column in columns]
+
     def _name(self, index: Index) -> str:
         """`1`, `tension`, `tension^2:mu_skin`: the leading power of each polynomial."""
         names = self.space.names if self.space else [f"x{i + 1}" for i in range(len(self.bases_))]
         return ":".join(names[i] + (f"^{q}" if q > 1 else "") for i, q in index) or "1"
 
+    def _rows(self, indices: tuple[Index, ...]) -> Rows:
+        return Rows(tuple(self.bases_), indices)
+
     def _matrix(self, X: Array) -> Array:
-        return products(self.indices_, [one.values(X[:, i]) for i, one in enumerate(self.bases_)])
+        return self._rows(self.indices_)(X)
 
     def minimum_runs(self, space: Space) -> int:
         """Runs that a fit needs: three, for a leave-one-out error."""
@@ -109,11 +173,40 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         """Values (m,) at coded X (m, d)."""
         check_is_fitted(self)
         points = validate_data(self, X, reset=False)
-        return np.asarray(self._matrix(points) @ self.coef_)
+        return predicted(self._rows(self.indices_), points, self.coef_)
 
     def leave_one_out(self) -> Array:
         """Predictions (n,) of each run without it, the choice of terms kept."""
         return self.model_.leave_one_out()
+
+    @_of_many
+    def leave_out(self, folds: ArrayLike) -> Array:
+        """Predictions (n,) of each run without its fold (n,), for many runs.
+
+        The terms are chosen anew without the fold; degree and number of terms are kept.
+        """
+        check_is_fitted(self)
+        many = self.model_
+        assert isinstance(many, FitOfMany)
+        X, y = many.points, many.y
+        _, numbers = np.unique(np.asarray(folds), return_inverse=True)
+        numbers, middle = numbers.ravel(), y.mean()
+        candidates = self._candidates(max(self.degree_, 1))
+        sums = moments(self._rows(candidates), *self._choosing(X, y - middle, numbers))
+        whole, count = total(sums), len(self.indices_)
+        orders = [path(whole.without(one), count).order for one in sums]
+        taken = sorted(set(chain.from_iterable(orders)))
+        rows = self._rows(tuple(candidates[j] for j in taken))
+        places = {term: place for place, term in enumerate(taken)}
+        sums = moments(rows, X, y - middle, numbers)
+        whole, result = total(sums), np.empty(len(y))
+        for fold, (one, order) in enumerate(zip(sums, orders, strict=True)):
+            kept = [places[term] for term in order]
+            rest, inside = whole.without(one).of(kept), numbers == fold
+            coefficients = linalg.solve(rest.products, rest.along, assume_a="pos")
+            terms = self._rows(tuple(candidates[j] for j in order))
+            result[inside] = middle + predicted(terms, X[inside], coefficients)
+        return result
 
     def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
         """Sobol' indices: sums of squared coefficients (Sudret 2008, equations 38 to 43).
@@ -171,58 +264,3 @@ def _described(one: Basis) -> dict[str, Any]:
     if one.contrasts is not None:
         return {"levels": len(one.contrasts), "values": one.contrasts.tolist()}
     return {"alpha": one.alpha.tolist(), "beta": one.beta.tolist()}
-
-
-def pursue(matrix: Array, y: Array, steps: int) -> list[int]:
-    """Columns of matrix (n, p) in the order of orthogonal least squares, the first one first.
-
-    Squared norms and products with y of all columns, less their parts along those taken,
-    are kept up to date by one matrix-vector product a step, O(n p). Of columns that gain the
-    same but for rounding, as aliased terms do, the first one is taken.
-    """
-    squares, along = (matrix**2).sum(axis=0), y @ matrix
-    floor = 1e-10 * squares + 1e-300
-    taken, basis = [], np.empty((len(y), steps))
-    for k in range(steps):
-        gains = np.where(squares > floor, along**2 / np.maximum(squares, floor), -1.0)
-        column = int(np.argmax(gains >= (1.0 - 1e-9) * gains.max())) if k else 0
-        if gains[column] <= 0.0 and k:
-            break
-        direction = matrix[:, column].copy()
-        for _ in range(2):
-            direction -= basis[:, :k] @ (basis[:, :k].T @ direction)
-        basis[:, k] = direction / np.linalg.norm(direction)
-        shadow = basis[:, k] @ matrix
-        squares, along = squares - shadow**2, along - (basis[:, k] @ y) * shadow
-        squares[column] = 0.0
-        taken.append(column)
-    return taken
-
-
-def best_count(matrix: Array, y: Array, folds: NDArray[np.intp]) -> tuple[int, float]:
-    """Number of terms with the smallest mean squared error on folds (n,), and that error.
-
-    The error is a share of the variance. For each fold the terms are chosen without it.
-    """
-    steps = min(
-        int(np.min([(folds != k).sum() for k in np.unique(folds)])) - 1, matrix.shape[1], TERMS
-    )
-    squares = np.zeros(max(steps, 1))
-    for fold in np.unique(folds):
-        inside = folds == fold
-        order = pursue(matrix[~inside], y[~inside], len(squares))
-        errors = _path_errors(matrix[:, order], y, inside)
-        squares[: len(order)] += errors
-        squares[len(order) :] += errors[-1]
-    count = int(squares.argmin()) + 1
-    total = float(((y - y.mean()) ** 2).sum())
-    varies = total > 1e-28 * float(y @ y)  # by more than rounding
-    return count, float(squares[count - 1]) / total if varies else 1.0
-
-
-def _path_errors(matrix: Array, y: Array, inside: NDArray[np.bool_]) -> Array:
-    """Squared error (k,) on the fold `inside` of fits by the first 1, 2, ... k columns."""
-    basis, upper = np.linalg.qr(matrix[~inside])
-    rotated = linalg.solve_triangular(upper, matrix[inside].T, trans="T").T
-    predicted = np.cumsum(rotated * (basis.T @ y[~inside]), axis=1)
-    return np.asarray(((y[inside, None] - predicted) ** 2).sum(axis=0))

@@ -114,3 +114,17 @@ def products(indices: tuple[Index, ...], values: list[np.ndarray]) -> np.ndarray
         for i, number in index:
             result[:, t] *= values[i][number]
     return result
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """The model matrix (m, p) of products at coded points (m, d), as a function."""
+
+    bases: tuple[Basis, ...]
+    indices: tuple[Index, ...]
+
+    def __call__(self, X: np.ndarray) -> np.ndarray:
+        return products(self.indices, [one.values(X[:, i]) for i, one in enumerate(self.bases)])
+
+    def __len__(self) -> int:
+        return len(self.indices)

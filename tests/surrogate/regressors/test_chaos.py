@@ -7,9 +7,10 @@ from sklearn.utils.estimator_checks import check_estimator
 
 from surrogate.designs.regular_fraction import matrix as two_level
 from surrogate.errors import FitError
-from surrogate.regressors.chaos import PolynomialChaos, best_count, pursue
+from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.orthogonal import basis, hyperbolic
 from surrogate.regressors.polynomial import Quadratic
+from surrogate.regressors.pursuit import best_count, pursue
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 
