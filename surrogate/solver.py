@@ -58,7 +58,8 @@ class Input:
 class Constraint:
     """A condition that joins several inputs: a point that breaks it has no answer.
 
-    The ranges of `Input` are those of each input alone. ::
+    The ranges of `Input` are those of each input alone. (What a study asks of its parameters
+    is a `surrogate.space.constraints.Relation`, read from text.) ::
 
         constraints = (Constraint(("inner", "outer"), smaller, "inner must be below outer"),)
 

@@ -56,8 +56,11 @@ _JOIN = re.compile(r"\s*[*/](?!\*)\s*(?=[^\W\d_])")
 
 
 @dataclass(frozen=True)
-class Constraint:
-    """One inequality or equality; build one by `parse`.
+class Relation:
+    """One inequality or equality between parameters; build one by `parse`.
+
+    What a solver requires of its inputs is a `surrogate.solver.Constraint`, a function of its
+    own.
 
     text    as the study writes it
     names   the parameters and constants in it, in order of appearance
@@ -69,7 +72,7 @@ class Constraint:
     _literals: Mapping[str, float] = field(repr=False, compare=False)
     _units: Mapping[str, str] = field(repr=False, compare=False)
 
-    def __deepcopy__(self, memo: object) -> Constraint:
+    def __deepcopy__(self, memo: object) -> Relation:
         """Itself: nothing in it changes."""
         return self
 
@@ -84,13 +87,6 @@ class Constraint:
         Where a side has no value, such as the root of a negative number, it does not hold.
         """
         return np.asarray(reduce(np.logical_and, (_holds(*one) for one in self._pairs(physical))))
-
-    def margin(self, physical: Mapping[str, Any]) -> Array:
-        """How far it is from being broken, shape (run,), in base units; negative where it is.
-
-        For an equality: minus the size of the difference of its sides.
-        """
-        return np.asarray(reduce(np.minimum, (_margin(*one) for one in self._pairs(physical))))
 
     def difference(self, physical: Mapping[str, Any]) -> Array:
         """Left less right side, shape (run,), in base units; of an equality zero."""
@@ -112,14 +108,8 @@ def _holds(op: ast.cmpop, left: Array, right: Array) -> NDArray[np.bool_]:
     if isinstance(op, ast.Eq):
         size = np.maximum(np.abs(left), np.abs(right))
         return np.asarray(np.abs(left - right) <= EQUAL * size)
-    margin = _margin(op, left, right)
-    return np.asarray(margin > 0.0 if isinstance(op, ast.Lt | ast.Gt) else margin >= 0.0)
-
-
-def _margin(op: ast.cmpop, left: Array, right: Array) -> Array:
-    if isinstance(op, ast.Eq):
-        return -np.abs(left - right)
-    return right - left if isinstance(op, ast.Lt | ast.LtE) else left - right
+    small, large = (left, right) if isinstance(op, ast.Lt | ast.LtE) else (right, left)
+    return np.asarray(small < large if isinstance(op, ast.Lt | ast.Gt) else small <= large)
 
 
 def _value(node: ast.expr, values: Mapping[str, Any]) -> Any:
@@ -139,7 +129,7 @@ def _value(node: ast.expr, values: Mapping[str, Any]) -> Any:
             raise AssertionError(f"`parse` lets no {type(node).__name__} through")
 
 
-def parse(text: str, units: Mapping[str, str]) -> Constraint:
+def parse(text: str, units: Mapping[str, str]) -> Relation:
     """The constraint that `text` states about the numeric inputs in `units` (name -> unit).
 
     Raises `StudyError` for unknown names and functions, units that do not fit, and anything
@@ -166,7 +156,7 @@ class _Parser:
     dimensions: dict[str, Dimension] = field(default_factory=dict)
     names: dict[str, None] = field(default_factory=dict)
 
-    def constraint(self) -> Constraint:
+    def constraint(self) -> Relation:
         tree = self._tree(self._without_numbers())
         sides = [tree.left, *tree.comparators]
         first = self._dimension(sides[0])
@@ -175,7 +165,7 @@ class _Parser:
         if not self.names:
             raise StudyError("it names no parameter")
         units = {name: self.units[name] for name in self.names}
-        return Constraint(self.text, tuple(self.names), tree, self.literals, units)
+        return Relation(self.text, tuple(self.names), tree, self.literals, units)
 
     def _tree(self, source: str) -> ast.Compare:
         python = re.sub(r"(?<![<>=!])=(?!=)", "==", source.replace("^", "**"))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.errors import StudyError
-from surrogate.space.constraints import Constraint
+from surrogate.space.constraints import Relation
 from surrogate.space.parameter import Parameter
 
 Numbers = NDArray[np.float64]
@@ -73,7 +73,7 @@ class Equalities:
 
 
 def equalities(
-    constraints: Sequence[Constraint], parameters: Sequence[Parameter], fixed: dict[str, float]
+    constraints: Sequence[Relation], parameters: Sequence[Parameter], fixed: dict[str, float]
 ) -> Equalities | None:
     """The equalities among the constraints, in coded values; None when there are none.
 
@@ -88,7 +88,7 @@ def equalities(
 
 
 def _line(
-    one: Constraint, parameters: Sequence[Parameter], fixed: dict[str, float]
+    one: Relation, parameters: Sequence[Parameter], fixed: dict[str, float]
 ) -> tuple[Numbers, float]:
     """Coefficients (d,) and right side of an equality in coded values."""
     for p in parameters:

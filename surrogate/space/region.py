@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.errors import StudyError
-from surrogate.space.constraints import Constraint
+from surrogate.space.constraints import Relation
 from surrogate.space.equalities import Equalities, equalities
 from surrogate.space.parameter import Parameter
 
@@ -44,7 +44,7 @@ class Region:
     """Constraints between parameters; `fixed` are the constants in them."""
 
     parameters: tuple[Parameter, ...]
-    constraints: tuple[Constraint, ...]
+    constraints: tuple[Relation, ...]
     fixed: dict[str, float]
     quantile: Quantile
 
@@ -58,7 +58,7 @@ class Region:
         """Numbers of the parameters that follow from the others by equalities."""
         return self.equalities.dependent if self.equalities else ()
 
-    def keeps(self, one: Constraint, coded: Numbers) -> Truth:
+    def keeps(self, one: Relation, coded: Numbers) -> Truth:
         """Where coded points (run, parameter) keep one constraint, (run,)."""
         columns = {
             p.name: p.decode(coded[:, j])

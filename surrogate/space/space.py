@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from surrogate.errors import StudyError, nearest
-from surrogate.space.constraints import Constraint
+from surrogate.space.constraints import Relation
 from surrogate.space.parameter import Parameter
 from surrogate.space.region import Region
 
@@ -35,7 +35,7 @@ class Space:
 
     parameters: tuple[Parameter, ...]
     correlation: tuple[tuple[float, ...], ...] | None = None
-    constraints: tuple[Constraint, ...] = ()
+    constraints: tuple[Relation, ...] = ()
     fixed: tuple[tuple[str, float], ...] = ()
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Space:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from surrogate.solver import Solver
-from surrogate.space.constraints import Constraint, parse
+from surrogate.space.constraints import Relation, parse
 from surrogate.study.reading.mistakes import Reading
 
 
 def constraints_of(
     reading: Reading, solver: Solver, constants: Mapping[str, float | str]
-) -> tuple[tuple[Constraint, ...], tuple[tuple[str, float], ...]]:
+) -> tuple[tuple[Relation, ...], tuple[tuple[str, float], ...]]:
     """The constraints, and (name, value) of what they name that does not vary.
 
     They may name numeric parameters, constants, and inputs that keep their nominal value. One
@@ -30,7 +30,7 @@ def constraints_of(
         for name, one in solver.inputs.items()
         if not one.levels and (name in fixed or name in reading.part.parameters)
     }
-    found: list[Constraint] = []
+    found: list[Relation] = []
     for index, text in enumerate(reading.part.constraints):
         with reading.mistakes_at("constraints", index):
             one = parse(text, numeric)
