@@ -10,6 +10,7 @@ OBJECTS = 100_000
 def main() -> None:
     """Load the command and run it; 130 when it is interrupted before it could start."""
     gc.set_threshold(OBJECTS, 50, 100)
+    gc.disable()  # modules hold no garbage; `verbs` looks for it again once they are loaded
     try:
         from surrogate.cli.verbs import main as command
     except KeyboardInterrupt:

@@ -8,6 +8,7 @@ Exit status: 0 done; 1 ran, but something failed; 2 the input is wrong; 130 inte
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import sys
@@ -319,7 +320,10 @@ def schema(quiet: Quiet = False) -> None:
 def _read(path: Path) -> Study:
     from surrogate.study.study import Study
 
-    return Study.from_yaml(path)
+    study = Study.from_yaml(path)
+    gc.freeze()  # what is loaded by now stays: looking through it for cycles takes long
+    gc.enable()
+    return study
 
 
 def _finish(study: Study, outcome: Outcome, as_json: bool, quiet: bool) -> None:

@@ -10,9 +10,10 @@ from pathlib import Path
 from surrogate.errors import ResultsError
 
 
-def write_bytes(path: str | Path, content: bytes | memoryview) -> None:
+def write_bytes(path: str | Path, content: bytes | memoryview, *, sync: bool = True) -> None:
     """Write `content` into `path`; until it is whole, an older file stays as it is.
 
+    sync  wait until the disk has it; False for what is checked when read and can be made again
     Raises `ResultsError` when the disk does not take it.
     """
     path = Path(path)
@@ -23,7 +24,8 @@ def write_bytes(path: str | Path, content: bytes | memoryview) -> None:
         with open(number, "wb") as file:
             file.write(content)
             file.flush()
-            os.fsync(number)
+            if sync:
+                os.fsync(number)
         os.chmod(temporary, 0o666 & ~_mask())  # as a newly made file has; mkstemp's are narrower
         os.replace(temporary, path)
     except OSError as error:
@@ -37,9 +39,9 @@ def write_bytes(path: str | Path, content: bytes | memoryview) -> None:
                 os.unlink(temporary)
 
 
-def write_text(path: str | Path, text: str) -> None:
+def write_text(path: str | Path, text: str, *, sync: bool = True) -> None:
     """Write `text` as UTF-8, whole or not at all; bytes of paths that were no UTF-8 escaped."""
-    write_bytes(path, text.encode(errors="backslashreplace"))
+    write_bytes(path, text.encode(errors="backslashreplace"), sync=sync)
 
 
 def _mask() -> int:

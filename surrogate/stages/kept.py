@@ -35,7 +35,7 @@ def save(path: Path, made_from: str, result: Any) -> None:
         path.unlink(missing_ok=True)
         return
     head = {"made_from": made_from, "sha256": hashlib.sha256(content).hexdigest()}
-    write_bytes(path, json.dumps(head).encode() + b"\n" + content)
+    write_bytes(path, json.dumps(head).encode() + b"\n" + content, sync=False)
 
 
 def load(path: Path, made_from: str) -> Any:

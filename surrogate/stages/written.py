@@ -31,7 +31,7 @@ def read(folder: Path) -> dict[str, Any]:
 
 def record(folder: Path, manifest: Mapping[str, Any]) -> None:
     """Write the manifest."""
-    write_text(folder / MANIFEST, json.dumps(manifest, indent=1))
+    write_text(folder / MANIFEST, json.dumps(manifest, indent=1), sync=False)
 
 
 def sound(folder: Path, entry: Mapping[str, Any] | None, made_from: str) -> bool:

@@ -8,7 +8,9 @@ installed package needs no edit here.
 
 from __future__ import annotations
 
-from importlib.metadata import EntryPoint, entry_points
+import sys
+from functools import lru_cache
+from importlib.metadata import EntryPoint, EntryPoints, entry_points
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +36,13 @@ NOUNS = {
 
 def available(group: str) -> dict[str, EntryPoint]:
     """Installed plug-ins of a group by name, sorted."""
-    return {point.name: point for point in sorted(entry_points(group=group))}
+    return {point.name: point for point in sorted(_installed(tuple(sys.path)).select(group=group))}
+
+
+@lru_cache(maxsize=1)
+def _installed(path: tuple[str, ...]) -> EntryPoints:
+    """Entry points of all packages on `path`, which takes a file a package to find."""
+    return entry_points()
 
 
 def path_of(group: str, name: str) -> str:
@@ -42,6 +50,9 @@ def path_of(group: str, name: str) -> str:
     if ":" in name:
         return name
     installed = available(group)
+    if name not in installed:  # it may have been installed since
+        _installed.cache_clear()
+        installed = available(group)
     if name in installed:
         return f"{installed[name].module}:{installed[name].attr}"
     raise PluginError(
