@@ -28,6 +28,7 @@ from surrogate.estimator import (
     predicts_many,
     refits_many,
 )
+from surrogate.regressors import portable
 from surrogate.regressors.anova import SobolIndices
 from surrogate.space.space import Space
 
@@ -213,13 +214,15 @@ class Field(RegressorMixin, BaseEstimator):
     def portable(self) -> dict[str, Any]:
         """JSON-able description; see `surrogate.regressors.portable`."""
         check_is_fitted(self)
+        common, amplitudes = portable.parted([model.portable() for model in self.estimators_])
         return {
             "kind": "field",
             "shape": list(self.shape_),
             "mean": self.mean_.tolist(),
             "modes": self.modes_.tolist(),
             "left_out": self.left_out_.tolist(),
-            "amplitudes": [model.portable() for model in self.estimators_],
+            "common": common,
+            "amplitudes": amplitudes,
         }
 
 

@@ -23,7 +23,9 @@ model, by "kind"::
   gaussian_process   offset + scale * (trend + sum_i weights[i] prod_j m(|c_j - points[i][j]|
                / lengths[j])) with columns c, m(r) = (1 + s + s^2 / 3) exp(-s), s = sqrt(5) r;
                `trend` is a list like the polynomial's `terms`
-  field        mean + sum_k mode_k * (surrogate k), flattened in C order to `shape`
+  field        mean + sum_k mode_k * (surrogate k), flattened in C order to `shape`. Surrogate k
+               is `amplitudes`[k] and what all of them have in common, which stands once, in
+               `common`; mappings in both are joined likewise (no `common` in version 1)
 
 error of a prediction, by "kind"; of a field a number for each place. A number is null where
 it is not known.
@@ -43,6 +45,7 @@ standard deviation of a new run, of the models that have one
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -53,7 +56,7 @@ from surrogate.regressors.columns import Column
 from surrogate.space.space import Parameter, Space
 
 FORMAT = "surrogate-studies portable surrogate"
-VERSION = 1
+VERSION = 2
 
 
 def describe(
@@ -82,6 +85,27 @@ def finite(value: ArrayLike) -> Any:
     known = numbers.astype(object)
     known[~np.isfinite(numbers)] = None
     return known.tolist()
+
+
+def parted(models: Sequence[Mapping[str, Any]]) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """What all models have in common, and the rest of each: see `field`."""
+    common: dict[str, Any] = {}
+    rests = [dict(model) for model in models]
+    everywhere = set.intersection(*map(set, models)) if models else set()
+    for key in sorted(everywhere):
+        first, *others = values = [model[key] for model in models]
+        if all(value == first for value in others):
+            common[key] = first
+            parts: Sequence[Any] = [None] * len(models)
+        elif all(isinstance(value, Mapping) for value in values):
+            shared, parts = parted(values)
+            common |= {key: shared} if shared else {}
+        else:
+            continue
+        for rest, part in zip(rests, parts, strict=True):
+            del rest[key]
+            rest.update({key: part} if part else {})
+    return common, rests
 
 
 def described_columns(of: tuple[Column, ...]) -> list[dict[str, Any]]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from contextlib import suppress
 from typing import Any
+
+from pydantic_core import to_json
 
 from surrogate.errors import FitError
 from surrogate.stages.fits import Fits
@@ -21,8 +22,8 @@ def portable(fits: Fits) -> dict[str, dict[str, Any]]:
 
 
 def documents(found: dict[str, dict[str, Any]]) -> dict[str, bytes]:
-    """A file a surrogate."""
+    """A file a surrogate; numbers that are not known are null."""
     return {
-        f"surrogates/{name}.json": json.dumps(by_output, allow_nan=False).encode()
+        f"surrogates/{name}.json": to_json(by_output, inf_nan_mode="null")
         for name, by_output in found.items()
     }

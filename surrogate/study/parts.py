@@ -18,7 +18,9 @@ from surrogate.study.values import Duration, Name, Number, Size, Texts, names_on
 class Part(BaseModel):
     """A mapping of a study file that takes only the keys it names."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, hide_input_in_errors=True, defer_build=True)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, hide_input_in_errors=True, defer_build=True
+    )
 
 
 class OpenPart(Part):

@@ -12,10 +12,25 @@ function combination(models, factors) {
   return KINDS[models[0].kind](models, factors);
 }
 
+// A model and what it has in common with others; mappings in both are joined likewise.
+function completed(common, own) {
+  const model = { ...common, ...own };
+  for (const [key, value] of Object.entries(own)) {
+    if (isMapping(value) && isMapping(common[key])) model[key] = completed(common[key], value);
+  }
+  return model;
+}
+
+function isMapping(value) {
+  return typeof value === "object" && value !== null && !ArrayBuffer.isView(value)
+    && !Array.isArray(value);
+}
+
 // Of a field (of any shape, flattened in C order) the value at one place: its modes are
 // independent, and what they leave out adds to the variance.
 function atPlace(model, place) {
-  const modes = combination(model.amplitudes, model.modes.map((mode) => mode[place]));
+  const amplitudes = model.amplitudes.map((own) => completed(model.common ?? {}, own));
+  const modes = combination(amplitudes, model.modes.map((mode) => mode[place]));
   return (points, size, mean, variance) => {
     modes(points, size, mean, variance);
     for (let i = 0; i < size; i++) {

@@ -14,6 +14,7 @@ from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.regressors.selection import Stepwise
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
+from surrogate.stages.portable import documents
 
 SPACE = Space(
     (
@@ -90,8 +91,16 @@ def gaussian_process(model, x):
     return model["offset"] + model["scale"] * total
 
 
+def completed(common, own):
+    joined = {**common, **own}
+    for key in common.keys() & own.keys():
+        joined[key] = completed(common[key], own[key])
+    return joined
+
+
 def field(model, x):
-    amplitudes = [evaluate(one, x) for one in model["amplitudes"]]
+    common = model.get("common", {})
+    amplitudes = [evaluate(completed(common, one), x) for one in model["amplitudes"]]
     return [
         mean + sum(a * mode[i] for a, mode in zip(amplitudes, model["modes"], strict=True))
         for i, mean in enumerate(model["mean"])
@@ -147,3 +156,25 @@ def test_laws_that_have_no_formula_are_refused():
     x = space.sample(10, seed=0)
     with pytest.raises(FitError, match="k: .*give it a range"):
         fit(space, x, x[:, 0], Linear()).portable()
+
+
+def test_what_modes_have_in_common_stands_once():
+    """Runs of all modes are one list, and documents that repeat them, as version 1 did, work."""
+    x = SPACE.sample(40, seed=1)
+    values = truth(x)[:, None] * np.ones(3) + x[:, :1] ** 2 * np.arange(3)
+    for estimator in (GaussianProcess(), Quadratic(), PolynomialChaos()):
+        model = fit(SPACE, x, values, estimator).portable()["model"]
+        common, amplitudes = model["common"], model["amplitudes"]
+        assert len(amplitudes) > 1 and "columns" in common or "bases" in common
+        assert not any(key in one for one in amplitudes for key in ("points", "kind", "bases"))
+        repeated = {
+            **{key: value for key, value in model.items() if key != "common"},
+            "amplitudes": [completed(common, one) for one in amplitudes],
+        }
+        assert field(repeated, x[0]) == field(model, x[0])
+
+
+def test_documents_keep_all_digits():
+    numbers = [0.1, 1 / 3, 5e-324, 1.7976931348623157e308, -1e-8, 2.0**70, float("nan")]
+    (content,) = documents({"s": {"y": {"numbers": numbers}}}).values()
+    assert json.loads(content) == {"y": {"numbers": [*numbers[:-1], None]}}
