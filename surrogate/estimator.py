@@ -114,6 +114,14 @@ class HasIndices(Predictor, Protocol):
     def sobol_indices(self, groups: Groups | None = None, /) -> Indices: ...
 
 
+class HasIndicesOfMany(Protocol):
+    """Knows the indices of all regressors of one `fit_many`, found together."""
+
+    def sobol_indices_of_many(
+        self, models: Sequence[Any], groups: Groups | None = None, /
+    ) -> list[Any]: ...
+
+
 class HasDraws(Predictor, Protocol):
     """Draws functions that are as plausible as its mean, given the runs."""
 
@@ -177,6 +185,11 @@ def is_portable(estimator: object) -> TypeGuard[Portable]:
 def has_indices(estimator: object) -> TypeGuard[HasIndices]:
     """True when the estimator knows its Sobol' indices."""
     return hasattr(estimator, "sobol_indices")
+
+
+def has_indices_of_many(estimator: object) -> TypeGuard[HasIndicesOfMany]:
+    """True when the estimator finds the indices of several outputs together."""
+    return hasattr(estimator, "sobol_indices_of_many")
 
 
 def has_draws(estimator: object) -> TypeGuard[HasDraws]:

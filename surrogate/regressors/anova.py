@@ -185,7 +185,7 @@ def _joined(
     count = means.shape[1]
     covariance, moments = np.zeros((count, count)), np.ones((count, count))
     for j in inputs:
-        own, lone = _products(j, means, centred, weights)
+        own, lone = _covariance(j, centred, weights), np.outer(means[j], means[j])
         covariance = covariance * lone + moments * own
         moments = moments * (own + lone)
     return covariance, moments
@@ -203,30 +203,28 @@ def _total_variances(
     """
     size, shape = len(centred), (len(c), len(c))
     below, everything = [np.ones(shape)], np.zeros(shape)
-    for j in range(size):
-        own, lone = _products(j, means, centred, weights)
+    covariances = [_covariance(j, centred, weights) for j in range(size)]
+    for own, mean in zip(covariances, means, strict=True):
+        lone = np.outer(mean, mean)
         everything *= lone
         everything += below[-1] * own
-        own += lone
-        below.append(below[-1] * own)
+        lone += own
+        below.append(below[-1] * lone)
     above, unexplained = below.pop(), np.zeros((size, c.shape[1]))
     above.fill(1.0)
     for i in reversed(range(size)):
-        own, lone = _products(i, means, centred, weights)
-        varying = below.pop()
+        own, varying = covariances.pop(), below.pop()
         varying *= own
         varying *= above
         unexplained[i] = np.maximum(_quadratic(varying, c), 0.0)
-        own += lone
+        own += np.outer(means[i], means[i])
         above *= own
     return _quadratic(everything, c), unexplained
 
 
-def _products(
-    j: int, means: Array, centred: Sequence[Array], weights: Sequence[Array]
-) -> tuple[Array, Array]:
-    """C_j and m_j m_j' of one input's factors, each (T, T)."""
-    return (centred[j] * weights[j]) @ centred[j].T, np.outer(means[j], means[j])
+def _covariance(j: int, centred: Sequence[Array], weights: Sequence[Array]) -> Array:
+    """C_j (T, T) of one input's factors."""
+    return np.asarray((centred[j] * weights[j]) @ centred[j].T)
 
 
 def _quadratic(matrix: Array, c: Array) -> Array:

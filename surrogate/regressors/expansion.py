@@ -16,11 +16,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from surrogate.estimator import Groups
 from surrogate.regressors.anova import SobolIndices
 
 Array = NDArray[np.float64]
+
+#: Products of numbers stay below this.
+LARGEST = 2**62
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,14 +39,32 @@ class Products:
     means: Array
 
     def conditional(self, inputs: Sequence[int], coefficients: Array) -> Array:
-        """Coefficients (k, functions) of E[f | inputs] of functions (terms, functions)."""
+        """Coefficients (k, functions) of E[f | inputs] of functions (terms, functions).
+
+        Some may be zero for all functions.
+        """
         others = np.delete(self.means, inputs, axis=1).prod(axis=1)
-        same = np.zeros(len(self.numbers), dtype=np.intp)
-        for own in self.numbers[:, inputs].T:
-            same = np.unique(same * (own.max() + 1) + own, return_inverse=True)[1]
-        order = np.argsort(same, kind="stable")
-        starts = np.flatnonzero(np.diff(same[order], prepend=-1))
-        return np.add.reduceat((others[:, None] * coefficients)[order], starts, axis=0)
+        number, count = _numbered(self.numbers[:, inputs])
+        terms = np.arange(len(others) + 1)
+        sums = sparse.csc_array((others, number, terms), shape=(count, len(others)))
+        return np.asarray(sums @ coefficients)
+
+
+def _numbered(rows: NDArray[np.intp]) -> tuple[NDArray[np.intp], int]:
+    """A number for each row (terms, k) of numbers, the same for equal rows, and their bound."""
+    number, count = np.zeros(len(rows), dtype=np.intp), 1
+    for column in rows.T:
+        number, count = _few(number, count, LARGEST // (int(column.max()) + 1))
+        number, count = number * (column.max() + 1) + column, count * (int(column.max()) + 1)
+    return _few(number, count, 4 * len(rows))
+
+
+def _few(number: NDArray[np.intp], count: int, most: int) -> tuple[NDArray[np.intp], int]:
+    """The same with numbers below `most`, when there are more."""
+    if count <= most:
+        return number, count
+    different, number = np.unique(number, return_inverse=True)
+    return number, len(different)
 
 
 def moved_indices(
@@ -62,7 +84,8 @@ def moved_indices(
     def gain(inputs: Iterable[int]) -> Array:
         """What the variance of E[f | inputs] of each function exceeds that of the mean by."""
         parts = products.conditional(sorted(inputs), both)
-        squares = (parts[:, 1:] * (2.0 * parts[:, :1] + parts[:, 1:])).sum(axis=0)
+        own, moved = parts[:, 0], parts[:, 1:]
+        squares = 2.0 * (own @ moved) + np.einsum("ij,ij->j", moved, moved)
         return np.asarray(squares - shift[1:] * (2.0 * shift[0] + shift[1:]))
 
     everything, variance = set(range(size)), centre.variance

@@ -24,6 +24,7 @@ from surrogate.estimator import (
     Groups,
     Regressor,
     fits_many,
+    has_indices_of_many,
     has_minimum,
     predicts_many,
     refits_many,
@@ -178,9 +179,13 @@ class Field(RegressorMixin, BaseEstimator):
         asked = None if groups is None else tuple(map(tuple, groups))
         if asked not in self.found_:
             given = () if asked is None else (asked,)  # a regressor need not know groups
-            self.found_[asked] = [
-                model.sobol_indices(*given) for model in counted("mode", self.estimators_)
-            ]
+            models = self.estimators_
+            if models and has_indices_of_many(models[0]):
+                self.found_[asked] = models[0].sobol_indices_of_many(models, *given)
+            else:
+                self.found_[asked] = [
+                    model.sobol_indices(*given) for model in counted("mode", models)
+                ]
         return self.found_[asked]
 
     def _summed(self, modes: Sequence[SobolIndices], groups: Groups | None) -> SobolIndices:
@@ -191,10 +196,8 @@ class Field(RegressorMixin, BaseEstimator):
         weights = variances / total if total > 0.0 else np.zeros_like(variances)
 
         def share(name: str, *shape: int) -> Array:
-            return sum(
-                (w * getattr(mode, name) for w, mode in zip(weights, modes, strict=True)),
-                start=np.zeros(shape),
-            )
+            parts = np.array([getattr(mode, name) for mode in modes]).reshape(-1, *shape)
+            return np.tensordot(weights, parts, axes=1)
 
         return SobolIndices(
             share("first_order", size),

@@ -212,6 +212,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
 
     def _set(self, logs: Array, factors: Factored) -> None:
         self.logs_, self.factors_ = logs, factors
+        self.found_: dict[Any, anova.SobolIndices] = {}
         self.lengths_, self.nugget_ = np.exp(logs[:-1]), float(np.exp(logs[-1]))
         self.weights_ = factors.weights(self.standard_)
         self.trend_ = factors.trend(self.standard_)
@@ -239,10 +240,7 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         points = self.expanded(X)
         F, mean = self.trend_columns(points), np.empty((len(points), len(models)))
         std = np.empty_like(mean) if return_std else mean
-        alike: dict[int, list[int]] = {}
-        for k, model in enumerate(models):
-            alike.setdefault(id(model.factors_), []).append(k)
-        for own in alike.values():
+        for own in _alike(models):
             some, first = [models[k] for k in own], models[own[0]]
             weights = np.column_stack([model.weights_ for model in some])
             if return_std:
@@ -329,14 +327,34 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
 
         Rounding grows with the weights: 1e-11 for a hundred smooth runs, 1e-5 for five hundred.
         """
+        return self.sobol_indices_of_many([self], groups)[0]
+
+    def sobol_indices_of_many(
+        self, models: Sequence[GaussianProcess], groups: Groups | None = None
+    ) -> list[anova.SobolIndices]:
+        """Those of processes of the same runs, each found once; equal lengths are no more work."""
         check_is_fitted(self)
+        asked = None if groups is None else tuple(map(tuple, groups))
+        left = [model for model in models if asked not in model.found_]
+        for own in _alike(left):
+            some = [left[k] for k in own]
+            for model, found in zip(some, some[0]._indices(some, asked), strict=True):
+                model.found_[asked] = found
+        return [model.found_[asked] for model in models]
+
+    def _indices(
+        self, models: Sequence[GaussianProcess], groups: Groups | None
+    ) -> list[anova.SobolIndices]:
+        """Indices of processes of the same lengths as this one."""
         rules = anova.quadratures(self.space, self.n_features_in_, QUADRATURE)
         factors = [self.factor(j, nodes) for j, (nodes, _) in enumerate(rules)]
-        coefficients = self.scale_ * np.append(self.weights_, self.trend_)
-        weights = [w for _, w in rules]
-        return anova.shifted(
-            anova.sobol_indices(coefficients, factors, weights, groups), self.offset_
+        coefficients = [model.scale_ * np.append(model.weights_, model.trend_) for model in models]
+        found = anova.sobol_indices_of_many(
+            np.column_stack(coefficients), factors, [w for _, w in rules], groups
         )
+        return [
+            anova.shifted(*pair) for pair in zip(found, (m.offset_ for m in models), strict=True)
+        ]
 
     def own_columns(self, parameter: int, nodes: Array) -> tuple[list[int], Array]:
         """Numbers of one parameter's columns, and their values (m, own) at its nodes (m,)."""
@@ -373,6 +391,14 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
                 for c, term in zip(self.trend_, self._trend_terms(), strict=True)
             ],
         }
+
+
+def _alike(models: Sequence[GaussianProcess]) -> list[list[int]]:
+    """Numbers of the processes that share factors: they have the same runs, lengths and nugget."""
+    alike: dict[int, list[int]] = {}
+    for k, model in enumerate(models):
+        alike.setdefault(id(model.factors_), []).append(k)
+    return list(alike.values())
 
 
 def _leading(models: list[GaussianProcess], share: float, least: int) -> int:

@@ -161,9 +161,10 @@ class Paths:
         means = np.empty(self.numbers.shape)
         projections: Array = np.ones((1, len(self.numbers)))
         for j, (of, (nodes, weights)) in enumerate(zip(self.eigenfunctions, rules, strict=True)):
-            own = of.values(one.own_columns(j, nodes)[1])[:, self.numbers[:, j]] * weights[:, None]
-            means[:, j] = own.sum(axis=0)
-            projections = projections * (np.delete(one.factor(j, nodes), len(one.points_), 0) @ own)
+            own = of.values(one.own_columns(j, nodes)[1]) * weights[:, None]
+            means[:, j] = own.sum(axis=0)[self.numbers[:, j]]
+            along = np.delete(one.factor(j, nodes), len(one.points_), 0) @ own
+            projections = projections * along[:, self.numbers[:, j]]
         return means, projections
 
 

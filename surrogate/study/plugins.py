@@ -36,13 +36,14 @@ NOUNS = {
 
 def available(group: str) -> dict[str, EntryPoint]:
     """Installed plug-ins of a group by name, sorted."""
-    return {point.name: point for point in sorted(_installed(tuple(sys.path)).select(group=group))}
+    return {point.name: point for point in sorted(_installed(tuple(sys.path))[group])}
 
 
 @lru_cache(maxsize=1)
-def _installed(path: tuple[str, ...]) -> EntryPoints:
-    """Entry points of all packages on `path`, which takes a file a package to find."""
-    return entry_points()
+def _installed(path: tuple[str, ...]) -> dict[str, EntryPoints]:
+    """Plug-ins by group of all packages on `path`: a file of each package has to be read."""
+    found = entry_points()
+    return {group: found.select(group=group) for group in NOUNS}
 
 
 def path_of(group: str, name: str) -> str:
