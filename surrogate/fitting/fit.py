@@ -127,12 +127,15 @@ class Fit:
 
     def intervals(self, coded: ArrayLike, levels: Sequence[float]) -> list[tuple[Array, Array]]:
         """Ends of intervals as `interval` gives them, at several levels of confidence."""
+        mean, halves = self.half_widths(coded, levels)
+        return [(mean - half, mean + half) for half in halves]
+
+    def half_widths(self, coded: ArrayLike, levels: Sequence[float]) -> tuple[Array, list[Array]]:
+        """Predictions (m, ...), the middles of their intervals, and half-widths at each level."""
         if self.offers_std:
             mean, std = self.predict(coded, return_std=True)
-            halves = [std * _quantile(self.estimator, level) for level in levels]
-        else:
-            mean, halves = self.predict(coded), [self._half_width(level) for level in levels]
-        return [(mean - half, mean + half) for half in halves]
+            return mean, [std * _quantile(self.estimator, level) for level in levels]
+        return self.predict(coded), [self._half_width(level) for level in levels]
 
     def _half_width(self, confidence: float) -> Array:
         k = len(self._errors)

@@ -36,7 +36,7 @@ class Factored:
     def weights(self, y: Array) -> Array:
         """Q y for values y (n, ...), by way of what the trend leaves of them."""
         rest = y - self.F @ self.trend(y)
-        return np.asarray(linalg.cho_solve((self.factor, True), rest, check_finite=False))
+        return np.asarray(linalg.lapack.dpotrs(self.factor, rest, lower=1)[0])
 
     def variance(self, y: Array, weights: Array) -> Array:
         """y' Q y / (n - q) of each output, the variance by restricted maximum likelihood."""
@@ -49,7 +49,7 @@ class Factored:
         inverse = linalg.lapack.dpotri(self.factor, lower=1)[0]
         inverse += inverse.T  # the upper triangle was zero, so only the diagonal is doubled
         np.fill_diagonal(inverse, 0.5 * inverse.diagonal())
-        return np.asarray(inverse - self.solved @ self.gain @ self.solved.T)
+        return np.asarray(inverse.T - self.solved @ self.gain @ self.solved.T)  # .T: rows are read
 
     @property
     def log_determinant(self) -> float:

@@ -34,8 +34,8 @@ TERMS = 1000
 #: Nodes for each input, and the smallest eigenvalue that they resolve.
 QUADRATURE = 48
 RESOLVED = 1e-11
-#: Points whose eigenfunctions are evaluated at once.
-STEP = 4096
+#: Points whose eigenfunctions are evaluated at once: their products stay in the cache.
+STEP = 64
 
 
 class Process(Protocol):

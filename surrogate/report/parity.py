@@ -77,8 +77,8 @@ def predictions(fit: Fit, coded: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if len(coded) == 0:
         empty = np.empty((0, *fit.values.shape[1:]))
         return empty, empty
-    low, high = (np.asarray(end, dtype=float) for end in fit.interval(coded))
-    return np.asarray(fit.predict(coded), dtype=float), (high - low) / 2.0
+    mean, (half,) = fit.half_widths(coded, (0.95,))
+    return mean, np.broadcast_to(half, mean.shape)
 
 
 def rows_learnt(fit: Fit, coded: np.ndarray) -> np.ndarray:

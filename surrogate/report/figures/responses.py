@@ -10,7 +10,7 @@ from surrogate.fitting.fit import Fit
 from surrogate.report import digits
 from surrogate.report.drawing import WIDTH, Panel, line, path, shortened, span, tag, text, width_of
 from surrogate.report.figures.slices import centre
-from surrogate.report.parity import mean_over_points, predictions
+from surrogate.report.parity import mean_over_points
 from surrogate.report.plot import Plot, column, plot
 from surrogate.space.space import Space
 
@@ -67,7 +67,7 @@ def _curve(fit: Fit, space: Space, name: str, places: np.ndarray) -> np.ndarray:
         if parameter.allowed is None
         else parameter.allowed[np.abs(parameter.allowed[None] - reach[:, None]).argmin(axis=1)]
     )
-    mean, _ = predictions(fit, coded)
+    mean = fit.predict(coded)
     return mean_over_points(mean) if mean.ndim > 1 else mean
 
 
