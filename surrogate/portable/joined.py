@@ -33,8 +33,18 @@ def script(entry: Path) -> str:
         for name in _NAME.findall(text):
             if owners.setdefault(name, path.name) != path.name:
                 raise ValueError(f"{owners[name]} and {path.name} both declare '{name}'")
-        parts.append(_INDENT.sub("", _COMMENT.sub("", text)))
+        parts.append(bare(text))
     return '"use strict";\n(() => {\n' + "".join(parts) + "})();\n"
+
+
+def bare(text: str) -> str:
+    """A script without comments of whole lines (//) and without indents."""
+    return _INDENT.sub("", _COMMENT.sub("", text))
+
+
+def bare_style(text: str) -> str:
+    """A style sheet without the white space that only people need."""
+    return re.sub(r"\s*([{};,])\s*|(?<=:) +", r"\1", text)
 
 
 def modules(entry: Path) -> list[Path]:

@@ -73,7 +73,7 @@ def describe(
         "version": VERSION,
         "surrogate": surrogate,
         "output": output,
-        "inputs": [_input(parameter) for parameter in space.parameters],
+        "inputs": [described_input(parameter) for parameter in space.parameters],
         "model": model,
         "error": error,
     }
@@ -118,7 +118,8 @@ def described_columns(of: tuple[Column, ...]) -> list[dict[str, Any]]:
     ]
 
 
-def _input(parameter: Parameter) -> dict[str, Any]:
+def described_input(parameter: Parameter) -> dict[str, Any]:
+    """An input; raises `FitError` for an unbounded one whose law has no coding here."""
     return {"name": parameter.name, "unit": parameter.unit, "coding": _coding(parameter)}
 
 

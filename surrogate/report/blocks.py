@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+from markupsafe import Markup
+
 from surrogate.report import digits
 from surrogate.report.plot import Plot
 
@@ -149,8 +151,16 @@ class Heading:
     kind: str = field(default="heading", init=False)
 
 
+@dataclass(frozen=True)
+class Live:
+    """A part that a script of its own draws."""
+
+    markup: Markup
+    kind: str = field(default="live", init=False)
+
+
 #: What stands in a section; the template draws each by its `kind`.
-Block = Text | Points | Table | Figures | Fold | Listing | Answer | Heading
+Block = Text | Points | Table | Figures | Fold | Listing | Answer | Heading | Live
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
@@ -11,13 +10,16 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from surrogate.portable.joined import bare, bare_style
 from surrogate.report import digits
 from surrogate.report.blocks import Section, anchor
 from surrogate.report.content import Content
+from surrogate.report.embedding import script_json
 from surrogate.report.sections import (
     accuracy,
     designs,
     effects,
+    explore,
     fields,
     indices,
     parameters,
@@ -70,7 +72,7 @@ def build(content: Content, only: str = "") -> Page:
             style=_part(environment, "style.css"),
             script=_part(environment, "behaviour.js"),
             made=_made(content),
-            runs=_json(runs.for_pointing(content)),
+            runs=script_json(runs.for_pointing(content)),
         )
     )
 
@@ -78,6 +80,7 @@ def build(content: Content, only: str = "") -> Page:
 def _sections(content: Content) -> Iterator[Section]:
     """The answer, what it rests on output by output, then the designs and runs behind it."""
     yield summary.section(content)
+    yield from explore.sections(content)
     for output in content.outputs:
         blocks = [
             *accuracy.blocks(content, output),
@@ -111,18 +114,11 @@ def _made(content: Content) -> str:
 
 
 def _part(environment: Environment, name: str) -> Markup:
-    """A file of this folder as it is; ours, so nothing in it needs escaping."""
-    return Markup(_LOADER.get_source(environment, name)[0])
+    """A file of this folder; ours, so nothing in it needs escaping."""
+    text = _LOADER.get_source(environment, name)[0]
+    return Markup(bare_style(text) if name.endswith(".css") else bare(text))
 
 
 def _parted(words: str) -> Markup:
     """A name that may be broken behind its underscores where there is no room for it."""
     return Markup("_<wbr>").join(words.split("_"))
-
-
-def _json(data: object) -> Markup:
-    """JSON that cannot end the script element that holds it."""
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"))
-    for letter in "<>&\u2028\u2029":
-        text = text.replace(letter, f"\\u{ord(letter):04x}")
-    return Markup(text)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import ast
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
 from typing import TYPE_CHECKING, Any
@@ -47,7 +47,21 @@ _OPERATORS: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: np.divide,
     ast.Pow: np.power,
 }
-_COMPARED = (ast.Lt, ast.LtE, ast.Gt, ast.GtE, ast.Eq)
+_SYMBOLS: Mapping[type[ast.operator], str] = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.Pow: "^",
+}
+_SIGNS: Mapping[type[ast.cmpop], str] = {
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+    ast.Eq: "=",
+}
+_COMPARED = tuple(_SIGNS)
 _EXAMPLE = "write an inequality such as 'width + 2*gap <= 80 mm'"
 
 _NUMBER = re.compile(r"(?<![\w.])((?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
@@ -93,6 +107,27 @@ class Relation:
         _, left, right = self._pairs(physical)[0]
         return np.asarray(left - right)
 
+    def portable(self, inputs: Sequence[str], fixed: Mapping[str, float]) -> dict[str, Any]:
+        """`text`, `sides` and what is `compared`, as JSON data; all in base units.
+
+        A side is a number, [operation, sides ...] or ["input", number among `inputs`, slope,
+        offset], its physical value times the slope plus the offset.
+        """
+        leaves: dict[str, Any] = dict(self._literals)
+        for name in self.names:
+            to_base = conversion(self._units[name], base_unit(self._units[name]))
+            leaves[name] = (
+                to_base.place(fixed[name])
+                if name in fixed
+                else ["input", inputs.index(name), to_base.slope, to_base.offset]
+            )
+        sides = (self._tree.left, *self._tree.comparators)
+        return {
+            "text": self.text,
+            "sides": [_tree(side, leaves) for side in sides],
+            "compared": [_SIGNS[type(op)] for op in self._tree.ops],
+        }
+
     def _pairs(self, physical: Mapping[str, Any]) -> list[tuple[ast.cmpop, Array, Array]]:
         """What is compared: operator, left and right side in base units."""
         values: dict[str, Any] = dict(self._literals)
@@ -125,6 +160,22 @@ def _value(node: ast.expr, values: Mapping[str, Any]) -> Any:
             return _OPERATORS[type(node.op)](left, right)
         case ast.Call(func=ast.Name(id=name)):
             return FUNCTIONS[name](*(_value(argument, values) for argument in node.args))
+        case _:
+            raise AssertionError(f"`parse` lets no {type(node).__name__} through")
+
+
+def _tree(node: ast.expr, leaves: Mapping[str, Any]) -> Any:
+    match node:
+        case ast.Name():
+            return leaves[node.id]
+        case ast.UnaryOp(op=ast.USub()):
+            return ["negative", _tree(node.operand, leaves)]
+        case ast.UnaryOp():
+            return _tree(node.operand, leaves)
+        case ast.BinOp():
+            return [_SYMBOLS[type(node.op)], _tree(node.left, leaves), _tree(node.right, leaves)]
+        case ast.Call(func=ast.Name(id=name)):
+            return [name, *(_tree(argument, leaves) for argument in node.args)]
         case _:
             raise AssertionError(f"`parse` lets no {type(node).__name__} through")
 

@@ -36,6 +36,14 @@ class Equalities:
         """Numbers of the parameters that follow from the others."""
         return self._solved(range(self.rows.shape[1]))[2]
 
+    @property
+    def reduced(self) -> list[tuple[int, float, Numbers]]:
+        """(number j, right side, coefficients (d,), 1 at j) of each dependent parameter."""
+        rows, right, dependent = self._solved(range(self.rows.shape[1]))
+        return [
+            (j, float(value), row) for row, value, j in zip(rows, right, dependent, strict=True)
+        ]
+
     def solve(self, coded: Numbers, inside: Collection[int] | None = None) -> Numbers:
         """Points (run, d) with dependent parameters set so that all equalities hold.
 

@@ -71,6 +71,11 @@ class Opened:
     said: list[str] = field(default_factory=list)
     asked: list[str] = field(default_factory=list)
 
+    def note(self, address: str) -> None:
+        """Keep an address that was asked for; a `blob:` is the page's own memory (its worker)."""
+        if not address.startswith("blob:"):
+            self.asked.append(address)
+
 
 @pytest.fixture
 def open_page(browser: Browser) -> Iterator[Callable[..., Opened]]:
@@ -83,7 +88,7 @@ def open_page(browser: Browser) -> Iterator[Callable[..., Opened]]:
         opened = Opened(context.new_page())
         opened.page.on("console", lambda said: opened.said.append(f"{said.type}: {said.text}"))
         opened.page.on("pageerror", lambda error: opened.said.append(f"error: {error}"))
-        opened.page.on("request", lambda request: opened.asked.append(request.url))
+        opened.page.on("request", lambda request: opened.note(request.url))
         opened.page.goto(path.as_uri())
         return opened
 
