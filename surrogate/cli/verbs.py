@@ -215,7 +215,8 @@ def predict(
     study: StudyFile,
     at: Values = None,
     points: Annotated[
-        Path | None, typer.Option(metavar="CSV", help="Points; the header names the parameters.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Points, a table; the header names the parameters."),
     ] = None,
     surrogate: Surrogate = None,
     results_dir: Results = None,
@@ -242,7 +243,9 @@ def validate(
     quiet: Quiet = False,
     cases: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="CSV, runs dataset or study; default: the study's own."),
+        typer.Option(
+            metavar="FILE", help="Table, runs dataset or study; default: the study's own."
+        ),
     ] = None,
 ) -> None:
     """Compare surrogates and other models with reference cases. Runs no solver of the study."""

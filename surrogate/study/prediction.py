@@ -18,7 +18,7 @@ from surrogate.space.space import Space
 from surrogate.stages.walk import Walk
 from surrogate.study.analysis import walk
 from surrogate.study.study import Study
-from surrogate.validation.cases import Cases, read_csv
+from surrogate.validation.cases import Cases, read_table
 
 Numbers = NDArray[np.float64]
 
@@ -41,16 +41,15 @@ class Predictions:
 def predict(
     study: Study, results: Path, surrogate: str | None, words: Sequence[str], points: Path | None
 ) -> Predictions:
-    """Values and 95 % intervals at `name=value` words, or at the rows of a CSV file.
+    """Values and 95 % intervals at `name=value` words, or at the rows of a table.
 
     surrogate: its name; None for the best of each output. Values are in the solver's
     unit unless they carry one (`tension='98 N/m'`). Raises `StudyError` for points that
     are not understood, `ResultsError` when no runs are stored and `FitError` when nothing
     can be fitted to them.
     """
-    physical = (
-        _from_words(study.space, words) if points is None else _from_csv(study.space, points, words)
-    )
+    space = study.space
+    physical = _from_words(space, words) if points is None else _from_table(space, points, words)
     coded = study.space.encode(physical)
     fits, notes = fits_at_hand(study, results, surrogate)
     inside = study.space.contains(coded)
@@ -177,11 +176,11 @@ def _from_words(space: Space, words: Iterable[str]) -> dict[str, np.ndarray]:
     return _columns(space, Cases("", given, ("",), ("",)), mistakes)
 
 
-def _from_csv(space: Space, path: Path, words: Sequence[str]) -> dict[str, np.ndarray]:
-    """Columns of the points in a CSV file whose first line names the parameters."""
+def _from_table(space: Space, path: Path, words: Sequence[str]) -> dict[str, np.ndarray]:
+    """Columns of the points in a table whose first line names the parameters."""
     if words:
         raise StudyError("give either name=value words or --points, not both")
-    return _columns(space, read_csv(path), [])
+    return _columns(space, read_table(path), [])
 
 
 def _columns(space: Space, given: Cases, mistakes: list[str]) -> dict[str, np.ndarray]:

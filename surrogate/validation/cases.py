@@ -1,14 +1,15 @@
-"""Cases that no surrogate has seen: measurements in a CSV file, or runs of a better solver.
+"""Cases that no surrogate has seen: measurements in a table, or runs of a better solver.
 
-A CSV file's first line names the columns: parameters, other inputs of a model, outputs,
+A table's first line names the columns: parameters, other inputs of a model, outputs,
 if wanted `case` (a label) and `subject` (who it was measured on, when one has several
-cases). Numbers are in the study's units unless they carry one (`98 N/m`). Empty cells of
-an output are gaps; other columns are left alone; lines that start with # are skipped.
+cases). Numbers are in the study's units unless they carry one (`98 N/m`), or their column
+does (`tension [N/m]`). Empty cells of an output are gaps; other columns are left alone. What
+files may look like is said in `surrogate.tables`.
 """
 
 from __future__ import annotations
 
-import csv
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,10 +21,14 @@ import xarray as xr
 from surrogate.errors import ResultsError, StudyError, nearest
 from surrogate.runs import dataset as rundata
 from surrogate.space import units
+from surrogate.tables.columns import title_and_unit, units_row
+from surrogate.tables.notation import decimal_mark, missing, number
+from surrogate.tables.sheet import read_sheet
 
 LABEL, SUBJECT = "case", "subject"
 #: Mistakes shown before the rest is only counted.
 SHOWN = 20
+_NUMBER = re.compile(r"([-+\u2212]?[\d.,' ]*(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -31,7 +36,7 @@ class Cases:
     """A table of cases.
 
     name      the file, as the study writes it
-    columns   name -> cells (case,): texts of a CSV file, or numbers
+    columns   name -> cells (case,): texts or numbers
     places    where each case stands, for messages, (case,)
     units     name -> unit of a column; one that is not named is in the unit asked for
     labels    what each case is called, (case,)
@@ -102,59 +107,76 @@ def _finite(cell: Any) -> bool:
     return isinstance(cell, str) or bool(np.isfinite(cell))
 
 
-def read_csv(path: Path, name: str = "") -> Cases:
-    """The cases in a CSV file; raises `StudyError` when it cannot be read or holds none.
+def read_table(path: Path, name: str = "") -> Cases:
+    """The cases in a table; raises `StudyError` when it cannot be read or holds none.
 
     name: of the file, as the study writes it; default the path.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise StudyError(
-            f"{path} cannot be read ({error.strerror or error}); "
-            "a path in a study is relative to the study file"
-        ) from None
-    except UnicodeDecodeError:
-        raise StudyError(f"{path} is not a text file in UTF-8; save it as CSV UTF-8") from None
-    rows = [
-        (number, [cell.strip() for cell in next(csv.reader([line]))])
-        for number, line in enumerate(lines, 1)
-        if line.strip(" ,\t") and not line.lstrip().startswith("#")
-    ]
-    if len(rows) < 2:
+    sheet = read_sheet(path)
+    titles, stated = map(list, zip(*map(title_and_unit, sheet.header), strict=True))
+    rows, lines = sheet.rows, sheet.lines
+    below = units_row(rows[0]) if len(rows) > 1 else None
+    if below is not None:
+        stated = [own or under for own, under in zip(stated, below, strict=True)]
+        rows, lines = rows[1:], lines[1:]
+    twice = [title for title in dict.fromkeys(titles) if titles.count(title) > 1]
+    if twice:
+        raise StudyError(*(f"{path}: column '{title}' stands twice" for title in twice))
+    if not rows:
         raise StudyError(
             f"{path} holds no cases; its first line names the columns, each further line is a case"
         )
-    _check_rows(path, rows)
-    header = rows[0][1]
+    usual = decimal_mark(_parts(cell)[0] for row in rows for cell in row)
     columns = {
-        title: np.array([cells[j] for _, cells in rows[1:]], dtype=object)
-        for j, title in enumerate(header)
-        if title
+        title: _cells(path, title, [row[j] for row in rows], usual)
+        for j, title in enumerate(titles)
     }
-    labels = columns.pop(LABEL, [str(k) for k in range(1, len(rows))])
+    labels = columns.pop(LABEL, range(1, len(rows) + 1))
     return Cases(
         name or str(path),
         columns,
-        tuple(f"{path}:{number}" for number, _ in rows[1:]),
+        tuple(f"{path}:{line}" for line in lines),
         tuple(map(str, labels)),
+        {title: unit for title, unit in zip(titles, stated, strict=True) if unit},
     )
 
 
-def _check_rows(path: Path, rows: list[tuple[int, list[str]]]) -> None:
-    first, header = rows[0]
-    mistakes = [
-        f"{path}:{first}: column '{title}' stands twice"
-        for title in dict.fromkeys(header)
-        if title and header.count(title) > 1
-    ]
-    mistakes += [
-        f"{path}:{number}: {len(cells)} cells where the first line names {len(header)}"
-        for number, cells in rows[1:]
-        if len(cells) != len(header)
-    ]
-    if mistakes:
-        raise StudyError(*mistakes[:SHOWN])
+def _cells(path: Path, title: str, cells: list[Any], usual: str | None) -> np.ndarray:
+    """The cells of a column (case,), numbers in texts with a decimal point, "" where missing.
+
+    usual: the decimal mark of the rest of the file.
+    """
+    mark = decimal_mark((_parts(cell)[0] for cell in cells), usual)
+    if mark is None:
+        raise StudyError(
+            f"{path}: column '{title}': its numbers can be read with a decimal comma or with a "
+            "mark between thousands; write all of them with a point"
+        )
+    return np.array(["" if missing(cell) else _pointed(cell, mark) for cell in cells], dtype=object)
+
+
+def _pointed(cell: Any, mark: str) -> Any:
+    """A cell whose number, with or without unit, has a decimal point; others as they are."""
+    if not isinstance(cell, str):
+        return cell
+    value, unit = _parts(cell)
+    found = number(value, mark)
+    return cell if found is None or _reads(value) else f"{found!r} {unit}"
+
+
+def _parts(cell: Any) -> tuple[str, str]:
+    """The number that a text begins with and the rest; empty for what is no text."""
+    found = _NUMBER.fullmatch(cell.strip()) if isinstance(cell, str) else None
+    return (found[1].strip(), found[2]) if found else ("", "")
+
+
+def _reads(text: str) -> bool:
+    """Whether a text is a number as Python writes it."""
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def read_runs(path: Path, name: str) -> Cases:

@@ -13,21 +13,24 @@ from surrogate.space.space import Space
 from surrogate.study.parts import ValidationPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.solver import solver_of
-from surrogate.validation.cases import Cases, header, lacking, read_csv, read_runs
+from surrogate.tables.sheet import READERS
+from surrogate.validation.cases import Cases, header, lacking, read_runs, read_table
 from surrogate.validation.validation import Validation, constants_for, fixed_inputs, outputs_in
 
 ReadStudy = Callable[[Path], Any]
 
 
 def cases_at(path: Path, name: str, study_at: ReadStudy) -> Cases | Any:
-    """The cases in a CSV file or runs dataset; for a study file, the study."""
-    readers = {".csv": read_csv, ".nc": read_runs}
-    if path.suffix in readers:
-        return readers[path.suffix](path, name)
+    """The cases in a table or runs dataset; for a study file, the study."""
     if path.suffix in (".yaml", ".yml"):
         return study_at(path)
+    if path.suffix == ".nc":
+        return read_runs(path, name)
+    if path.suffix.lower() in READERS:
+        return read_table(path, name)
     raise StudyError(
-        f"cases '{name}': must be a CSV file (.csv), a dataset of runs (.nc) or a study (.yaml)"
+        f"cases '{name}': must be a table ({', '.join(READERS)}), a dataset of runs (.nc) or a "
+        "study (.yaml)"
     )
 
 

@@ -57,8 +57,8 @@ def test_points_in_a_file_are_those_in_words(done, tmp_path):
 @pytest.mark.parametrize(
     "text, words",
     [
-        ("rw,L\n0,1,1400\n", "points.csv:2: 3 cells where the first line names 2"),
-        ("rw,rw,L\n0.1,0.2,1400\n", "points.csv:1: column 'rw' stands twice"),
+        ("rw,L\n0,1,1400\n", "points.csv:2: 3 cells where the first row names 2"),
+        ("rw,rw,L\n0.1,0.2,1400\n", "points.csv: column 'rw' stands twice"),
         (
             "rw,L\n\n0.1,x\n,1400\n",
             "points.csv:4: rw: there is no value.*points.csv:3: L: 'x' is not",

@@ -12,6 +12,7 @@ from surrogate.runs import dataset as rundata
 from surrogate.stages.summary import figures_of
 from surrogate.study.study import Study
 from surrogate.validation.agreement import agreement
+from surrogate.validation.cases import read_table
 
 TEXT = """\
 study: checked
@@ -246,8 +247,8 @@ WRONG = {
     ),
     "no output": (",flow", ",flux", "no column for any scalar output of the study: flow"),
     "short row": ("80\n", "\n", None),
-    "long row": ("80\n", "80,1\n", "wells.csv:3: 7 cells where the first line names 6"),
-    "twice": ("date,rw", "rw,rw", "wells.csv:2: column 'rw' stands twice"),
+    "long row": ("80\n", "80,1\n", "wells.csv:3: 7 cells where the first row names 6"),
+    "twice": ("date,rw", "rw,rw", "wells.csv: column 'rw' stands twice"),
     "nothing": (WELLS, "rw,Hu,L,flow\n", "holds no cases"),
 }
 
@@ -280,3 +281,33 @@ def test_validate_needs_cases(tmp_path):
     with pytest.raises(StudyError, match="no validation: and no cases are given"):
         results.validate(study, tmp_path / "results/checked")
     assert study.validate({}) is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "case,rw,load,who\none,0.1,98,anna\ntwo,0.25,1500.5,7\n",
+        "\ufeffcase;rw;load;who\none;0,1;98;anna\ntwo;0,25;1500,5;7\n",
+        "# lab\ncase;rw;load [N];who\none;10 cm;98;anna\ntwo;25 cm;1.500,5;7\n",
+        "case\trw (cm)\tload\twho\none\t10\t98\tanna\ntwo\t25\t1500.5\t7\n",
+        "case,rw,load,who\n,cm,kN,\none,10,0.098,anna\ntwo,25,1.5005,7\n",
+        'case;rw;load;who\n"one";"0,1 m";"0,098 kN";anna\ntwo;"0,25 m";"1,5005 kN";7\n',
+    ],
+    ids=["points", "commas", "thousands", "tabs", "row of units", "commas and units"],
+)
+def test_cases_as_laboratories_write_them(tmp_path, text):
+    """Semicolons, decimal commas, a byte order mark, units in headers, below them or in cells."""
+    path = tmp_path / "cases.csv"
+    path.write_text(text, encoding="utf-8")
+    found = read_table(path)
+    assert found.labels == ("one", "two")
+    np.testing.assert_allclose(found.numbers("rw", "m"), [0.1, 0.25], rtol=1e-14)
+    np.testing.assert_allclose(found.numbers("load", "N"), [98.0, 1500.5], rtol=1e-14)
+    assert found.words("who").tolist() == ["anna", "7"]
+
+
+def test_a_comma_that_may_be_either_mark_is_a_mistake(tmp_path):
+    """1,234 between semicolons is 1.234 or 1234: nobody guesses."""
+    (tmp_path / "cases.csv").write_text("rw;flow\n1,234;5,678\n")
+    with pytest.raises(StudyError, match="column 'rw': its numbers can be read with a decimal"):
+        read_table(tmp_path / "cases.csv")
