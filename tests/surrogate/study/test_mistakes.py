@@ -159,9 +159,9 @@ MISTAKES = {
     ),
     "cases of no kind": (
         "outputs:",
-        "validation: legs.txt\noutputs:",
+        "validation: legs.doc\noutputs:",
         "8:13",
-        "must be a CSV file .* or a study",
+        "must be a table .* or a study",
     ),
     "validation key": (
         "outputs:",
