@@ -66,8 +66,8 @@ def _forget(data: dict[str, Any], frozen: Container[str]) -> None:
         data["correlation"] = rows
     else:
         data.pop("correlation", None)
-    sensitivity = data.get("sensitivity") or {}
-    if "groups" in sensitivity:
+    sensitivity = data.get("sensitivity")
+    if isinstance(sensitivity, Mapping) and "groups" in sensitivity:
         left = {
             group: [name for name in members if name not in frozen]
             for group, members in sensitivity["groups"].items()

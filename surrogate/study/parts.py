@@ -182,7 +182,16 @@ class ConstantPart(Part):
         return value if isinstance(value, Mapping) else {"value": value}
 
 
-class AugmentPart(OpenPart):
+class MethodPart(OpenPart):
+    """A method and its options; its name alone where it needs none."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value: Any) -> Any:
+        return {"method": value} if isinstance(value, str) else value
+
+
+class AugmentPart(MethodPart):
     """Points added to a design."""
 
     method: str = Field(
@@ -202,7 +211,7 @@ class DesignPart(OpenPart):
     augment: tuple[AugmentPart, ...] = Field(
         (),
         description="Points to add, step by step; runs of the points before are kept.",
-        examples=[[{"method": "fold_over"}, {"method": "center_points", "runs": 3}]],
+        examples=[["fold_over", {"method": "center_points", "runs": 3}]],
     )
 
 
@@ -234,7 +243,7 @@ class SurrogatePart(Part):
         return value
 
 
-class SensitivityPart(OpenPart):
+class SensitivityPart(MethodPart):
     """Which parameters matter, read from a surrogate."""
 
     method: str = Field(
@@ -425,8 +434,9 @@ class StudyPart(Part):
     )
     sensitivity: SensitivityPart | None = Field(
         None,
-        description="How the indices are computed that say which parameters matter.",
-        examples=[{"method": "sobol", "surrogate": "best"}],
+        description="How the indices are computed that say which parameters matter: a method, or "
+        "a method with options.",
+        examples=["sobol", {"method": "sobol", "surrogate": "best"}],
     )
     screening: ScreeningPart | None = Field(
         None,

@@ -11,7 +11,9 @@ _SHORT_FORMS = {
     "SolverPart": {"type": "string"},
     "ParameterPart": {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2},
     "ConstantPart": {"type": ["number", "string"]},
+    "AugmentPart": {"type": "string"},
     "SurrogatePart": {"type": "string"},
+    "SensitivityPart": {"type": "string"},
     "ValidationPart": {"type": "string"},
     "DataPart": {"type": "string"},
 }

@@ -6,6 +6,7 @@ from typing import Any
 import jsonschema
 import pytest
 
+from surrogate.stages.reduced_study import _forget
 from surrogate.study.parts import StudyPart
 from surrogate.study.schema import json_schema
 
@@ -40,3 +41,31 @@ def test_every_part_says_what_it_is():
     for name, part in schema["$defs"].items():
         described = part if "properties" in part else part["anyOf"][0]
         assert described["description"].endswith("."), name
+
+
+@pytest.mark.parametrize(
+    ("short", "long"),
+    [
+        ({"sensitivity": "shapley"}, {"sensitivity": {"method": "shapley"}}),
+        ({"surrogates": {"gp": "lasso"}}, {"surrogates": {"gp": {"method": "lasso"}}}),
+        (
+            {"designs": {"train": {"method": "x", "augment": ["fold_over"]}}},
+            {"designs": {"train": {"method": "x", "augment": [{"method": "fold_over"}]}}},
+        ),
+    ],
+)
+def test_a_method_is_named_alone(short, long):
+    """The name stands for a mapping that holds nothing else, in the schema too."""
+    study = {"study": "beam", "solver": "b", "parameters": {}, "designs": {}}
+    assert StudyPart.model_validate(study | short) == StudyPart.model_validate(study | long)
+    found = StudyPart.model_validate(study | short).sensitivity
+    assert found is None or "method" in found.model_fields_set
+    for words in (short, long):
+        jsonschema.validate(study | words, json_schema())
+
+
+def test_a_reduced_study_takes_a_sensitivity_named_alone():
+    """Groups are only looked for where there can be some."""
+    data = {"sensitivity": "shapley"}
+    _forget(data, ["mu"])
+    assert data == {"sensitivity": "shapley"}
