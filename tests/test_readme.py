@@ -21,6 +21,11 @@ PAGES = sorted(
         *(path for path in (ROOT / "solvers").rglob("*.md")),
     ]
 )
+CONFORMS = """
+from surrogate.conformance import check_solver
+from my_beam import Beam
+check_solver(Beam())
+"""
 PROGRAMS = {"surrogate": surrogate_app, "leg-bandage": leg_bandage_app}
 #: Folders whose files the pages name in backticks.
 NAMED = r"`((?:studies|solvers|surrogate|benchmarks|tests|tools|docs|\.ci)/[\w./]*\w)`"

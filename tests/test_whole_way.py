@@ -1,7 +1,5 @@
 """From a study file to its report, by the command and by Python, as a user goes."""
 
-import contextlib
-import io
 import json
 import os
 import signal
@@ -9,16 +7,15 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from unittest.mock import patch
 
 import jsonschema
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from in_process import command
 
 from surrogate import Study
-from surrogate.cli.verbs import main
 from surrogate.study.schema import json_schema
 from surrogate.study.source import read_text
 
@@ -66,27 +63,6 @@ class Slow:
             raise SolverError(f"a = {a:.2f} buckles")
         return {"y": 1 + 2 * a + b * b}
 """
-
-
-def command(*words, cwd, check=None):
-    """Carry out `surrogate` in this process, which has loaded what a new one would load again.
-
-    Returns what `subprocess.run` would; the status must be `check` if given.
-    """
-    argv, out, err = ["surrogate", *map(str, words)], io.StringIO(), io.StringIO()
-    with (
-        contextlib.chdir(cwd),
-        patch.object(sys, "argv", argv),
-        contextlib.redirect_stdout(out),
-        contextlib.redirect_stderr(err),
-        pytest.raises(SystemExit) as stop,
-    ):
-        main()
-    done = subprocess.CompletedProcess(argv, stop.value.code or 0, out.getvalue(), err.getvalue())
-    assert "Traceback" not in done.stderr and "internal error" not in done.stderr, done.stderr
-    if check is not None:
-        assert done.returncode == check, done.stdout + done.stderr
-    return done
 
 
 @pytest.fixture

@@ -67,6 +67,7 @@ solver: spring
 parameters: {k: [1, 10], x: {range: [0, 0.5], unit: cm}}
 designs: {train: {method: corners_and_middle, extra: 4}}
 surrogates: {near: nearest, wide: {method: linear}}
+execution: {workers: 1}
 """
 
 

@@ -224,11 +224,10 @@ def test_names_in_an_older_encoding(tmp_path, mean_leg, kind, options, mark):
     np.testing.assert_allclose(fit_scan(path, **KNOWN).alphas, BASIS.mean, atol=5e-4)
 
 
-def test_same_scan_same_digits(whole, tmp_path):
-    path = virtual.save(tmp_path / "leg.stl", *whole)
-    first, second = (fit_scan(path, side="right") for _ in range(2))
-    assert first.alphas == second.alphas and first.length == second.length
-    np.testing.assert_array_equal(first.residual, second.residual)
+def test_same_scan_same_digits(whole, whole_fit, tmp_path):
+    again = fit_scan(virtual.save(tmp_path / "again.stl", *whole))
+    assert again.alphas == whole_fit.alphas and again.length == whole_fit.length
+    np.testing.assert_array_equal(again.residual, whole_fit.residual)
 
 
 def test_residual_is_along_the_normal_and_outwards(tmp_path, mean_leg):
