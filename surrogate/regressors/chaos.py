@@ -24,7 +24,8 @@ from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.estimator import Groups
-from surrogate.regressors import anova, regression
+from surrogate.regressors import anova
+from surrogate.regressors.least_squares import LeastSquares, least_squares
 from surrogate.regressors.moments import FitOfMany, fit_of_many, moments, path, predicted, total
 from surrogate.regressors.moments import best_count as best_count_of_many
 from surrogate.regressors.orthogonal import Basis, Index, Rows, basis, hyperbolic, products
@@ -62,7 +63,7 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
                 None for inputs uniform on [-1, 1]
 
     Fitted: `indices_` (which product each term is), `coef_` (p,), `degree_`,
-    `model_` (`regression.LeastSquares` of the chosen terms, of many runs `moments.FitOfMany`),
+    `model_` (`LeastSquares` of the chosen terms, of many runs `moments.FitOfMany`),
     `error_` (mean squared error on the folds of the choice, a share of the variance).
     """
 
@@ -88,14 +89,14 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
             )
         parameters = self.space.parameters if self.space else [None] * points.shape[1]
         self.bases_ = [basis(parameter, self.max_degree) for parameter in parameters]
-        self.model_: regression.LeastSquares | FitOfMany
+        self.model_: LeastSquares | FitOfMany
         if len(outputs) > MANY:
             self.indices_, self.degree_, self.error_ = self._select_of_many(points, outputs)
             self.model_ = fit_of_many(self._rows(self.indices_), points, outputs)
         else:
             self.indices_, self.degree_, self.error_ = self._select(points, outputs)
             names = [self._name(index) for index in self.indices_]
-            self.model_ = regression.least_squares(self._matrix(points), outputs, names)
+            self.model_ = least_squares(self._matrix(points), outputs, names)
         self.coef_ = self.model_.coefficients
         return self
 

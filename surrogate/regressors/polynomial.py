@@ -21,6 +21,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from surrogate.estimator import Groups
 from surrogate.regressors import anova, portable, regression
 from surrogate.regressors.columns import Column, columns_of, expand
+from surrogate.regressors.least_squares import LeastSquares, least_squares, least_squares_of_many
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
@@ -70,7 +71,7 @@ class TermRegressor(RegressorMixin, BaseEstimator):
     space  the Space of the inputs (names, categorical columns, laws); None for numeric
            inputs x1, x2, ... uniform on [-1, 1]
 
-    Fitted: `terms_`, `columns_`, `coef_` (p,), `model_` (`regression.LeastSquares`).
+    Fitted: `terms_`, `columns_`, `coef_` (p,), `model_` (`LeastSquares`).
     Terms that the runs cannot tell apart from lower ones get coefficient 0.
     """
 
@@ -80,7 +81,7 @@ class TermRegressor(RegressorMixin, BaseEstimator):
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
         matrix, outputs = self._matrix(X, y)
-        self._set(regression.least_squares(matrix, outputs, self._names()))
+        self._set(least_squares(matrix, outputs, self._names()))
         return self
 
     def _matrix(self, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:
@@ -99,7 +100,7 @@ class TermRegressor(RegressorMixin, BaseEstimator):
     def _names(self) -> list[str]:
         return [term_name(term, self.columns_) for term in self.terms_]
 
-    def _set(self, model: regression.LeastSquares) -> None:
+    def _set(self, model: LeastSquares) -> None:
         self.model_, self.coef_ = model, model.coefficients
 
     def rows(self, X: ArrayLike) -> Array:
@@ -177,7 +178,7 @@ class Polynomial(TermRegressor):
         Y = np.asarray(Y, dtype=float)
         matrix, _ = self._matrix(X, Y[:, 0])
         models = [copy(self) for _ in Y.T]
-        fits = regression.least_squares_of_many(matrix, Y, self._names())
+        fits = least_squares_of_many(matrix, Y, self._names())
         for model, own in zip(models, fits, strict=True):
             model._set(own)
         return models

@@ -26,7 +26,7 @@ from surrogate.solver import Solver
 from surrogate.study import file as studyfile
 from surrogate.study.reading.designs import designs_of
 from surrogate.study.reading.mistakes import Reading
-from surrogate.study.reading.solver import space_of
+from surrogate.study.reading.parameters import space_of
 from surrogate.study.source import read_text
 
 Coded = NDArray[np.float64]

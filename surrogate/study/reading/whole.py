@@ -11,14 +11,16 @@ from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Solver
 from surrogate.stages.screening import ScreeningRule
 from surrogate.study import file as studyfile
+from surrogate.study.reading.constants import constants_of
 from surrogate.study.reading.data import Data, columns_of, data_of, described, recorded_of
 from surrogate.study.reading.designs import designs_of, replicated
 from surrogate.study.reading.execution import check_execution
 from surrogate.study.reading.methods import check_screening, sensitivity_of, surrogates_of
 from surrogate.study.reading.mistakes import Reading, sentences
+from surrogate.study.reading.parameters import space_of
 from surrogate.study.reading.rows import rows_of, with_dependence
 from surrogate.study.reading.runs import stored_of
-from surrogate.study.reading.solver import constants_of, outputs_of, solver_of, space_of
+from surrogate.study.reading.solver import outputs_of, solver_of
 from surrogate.study.reading.validation import validation_of
 from surrogate.study.source import Source
 from surrogate.tables.recorded import Recorded

@@ -9,6 +9,7 @@ from scipy import stats
 
 from surrogate.errors import FitError
 from surrogate.regressors import regression
+from surrogate.regressors.least_squares import least_squares
 
 FACTS = json.loads((Path(__file__).parents[2] / "reference/regression.json").read_text())
 
@@ -30,7 +31,7 @@ def chemreact():
     matrix, names = second_order(
         (data["Time"] - 85) / 5, (data["Temp"] - 175) / 5, ("Block2", data["Block"] - 1)
     )
-    return regression.least_squares(matrix, data["Yield"], names)
+    return least_squares(matrix, data["Yield"], names)
 
 
 def uniformity():
@@ -38,7 +39,7 @@ def uniformity():
     matrix, names = second_order(
         (np.array(data["pressure"]) - 42) / 38, (np.array(data["h2_wf6"]) - 6) / 4
     )
-    return regression.least_squares(matrix, data["uniformity"], names)
+    return least_squares(matrix, data["uniformity"], names)
 
 
 PUBLISHED = [("chemreact", chemreact), ("uniformity", uniformity)]
@@ -127,7 +128,7 @@ def test_leave_out_equals_refitting(groups):
     for fold in range(groups):
         rest = folds != fold
         refit[~rest] = matrix[~rest] @ np.linalg.lstsq(matrix[rest], y[rest], rcond=None)[0]
-    model = regression.least_squares(matrix, y, names)
+    model = least_squares(matrix, y, names)
     np.testing.assert_allclose(model.leave_out(folds), refit, atol=1e-12)
     if groups == 24:
         np.testing.assert_allclose(model.leave_one_out(), refit, atol=1e-12)
@@ -136,8 +137,8 @@ def test_leave_out_equals_refitting(groups):
 def test_nested_test_on_one_term_is_the_square_of_t():
     """F(1, v) of adding one term equals t^2 of that term, with the same p."""
     matrix, y, names = random_model()
-    larger = regression.least_squares(matrix, y, names)
-    smaller = regression.least_squares(matrix[:, :-1], y, names[:-1])
+    larger = least_squares(matrix, y, names)
+    smaller = least_squares(matrix[:, :-1], y, names[:-1])
     table = regression.table(larger)
     result = regression.nested(smaller, larger)
     assert result.f == pytest.approx(float(table["t"][-1]) ** 2, rel=1e-9)
@@ -148,19 +149,19 @@ def test_nested_test_on_one_term_is_the_square_of_t():
 def test_nested_test_against_the_mean_is_the_overall_f():
     """Adding every term to the constant gives the table's F."""
     matrix, y, names = random_model()
-    larger = regression.least_squares(matrix, y, names)
-    result = regression.nested(regression.least_squares(matrix[:, :1], y, ["1"]), larger)
+    larger = least_squares(matrix, y, names)
+    result = regression.nested(least_squares(matrix[:, :1], y, ["1"]), larger)
     assert result.f == pytest.approx(float(regression.table(larger)["f"]), rel=1e-10)
 
 
 def test_nested_refuses_models_that_are_not():
     matrix, y, names = random_model()
-    other = regression.least_squares(matrix[:, [0, 1]], y, ["1", "x1"])
-    larger = regression.least_squares(matrix[:, [0, 2]], y, ["1", "x2"])
+    other = least_squares(matrix[:, [0, 1]], y, ["1", "x1"])
+    larger = least_squares(matrix[:, [0, 2]], y, ["1", "x2"])
     with pytest.raises(FitError, match="not part of"):
         regression.nested(other, larger)
     with pytest.raises(FitError, match="different runs"):
-        regression.nested(other, regression.least_squares(matrix, y + 1.0, names))
+        regression.nested(other, least_squares(matrix, y + 1.0, names))
 
 
 def test_saturated_fit_says_so_and_keeps_its_coefficients():
@@ -168,9 +169,7 @@ def test_saturated_fit_says_so_and_keeps_its_coefficients():
     x1 = np.array([-1.0, 1, -1, 1])
     x2 = np.array([-1.0, -1, 1, 1])
     matrix = np.column_stack([np.ones(4), x1, x2, x1 * x2])
-    model = regression.least_squares(
-        matrix, 3 + 2 * x1 - x2 + 0.5 * x1 * x2, ["1", "x1", "x2", "x1:x2"]
-    )
+    model = least_squares(matrix, 3 + 2 * x1 - x2 + 0.5 * x1 * x2, ["1", "x1", "x2", "x1:x2"])
     table = regression.table(model)
     np.testing.assert_allclose(table["coefficient"], [3, 2, -1, 0.5], atol=1e-14)
     assert float(table["r2"]) == pytest.approx(1.0)
@@ -198,7 +197,7 @@ def test_aliased_terms_are_named_and_have_no_coefficient():
     x1, x2 = np.array([[-1.0, -1], [1, -1], [-1, 1], [1, 1]] * 2).T
     matrix = np.column_stack([np.ones(8), x1, x2, x1 * x2, x1 * x2])
     y = 1 + x1 + 4 * x1 * x2 + np.array([1, 1, 1, 1, -1, -1, -1, -1]) * 0.1
-    table = regression.table(regression.least_squares(matrix, y, ["1", "x1", "x2", "x3", "x1:x2"]))
+    table = regression.table(least_squares(matrix, y, ["1", "x1", "x2", "x3", "x1:x2"]))
     np.testing.assert_allclose(table["coefficient"], [1, 1, 0, np.nan, np.nan], atol=1e-14)
     assert float(table["df_residual"]) == 4
     assert "x1:x2 is aliased with x3" in table.attrs["notes"]
@@ -206,7 +205,7 @@ def test_aliased_terms_are_named_and_have_no_coefficient():
 
 def test_squares_of_a_two_level_design_are_aliased_with_the_constant():
     x = np.array([-1.0, 1, -1, 1])
-    model = regression.least_squares(np.column_stack([np.ones(4), x, x**2]), x, ["1", "x", "x^2"])
+    model = least_squares(np.column_stack([np.ones(4), x, x**2]), x, ["1", "x", "x^2"])
     assert regression.aliases(model) == ["x^2 is aliased with 1: the runs cannot tell them apart."]
 
 
@@ -214,7 +213,7 @@ def test_run_that_alone_determines_a_term_has_no_press():
     """A run of leverage 1 cannot be left out; the others' diagnostics remain."""
     x = np.array([0.0, 0, 0, 0, 1])
     y = np.array([1.0, 2, 1, 2, 9])
-    model = regression.least_squares(np.column_stack([np.ones(5), x]), y, ["1", "x"])
+    model = least_squares(np.column_stack([np.ones(5), x]), y, ["1", "x"])
     table = regression.table(model)
     assert np.isnan(table["press"]) and np.isnan(table["studentised"][4])
     assert np.isfinite(table["studentised"][:4]).all() and np.isfinite(table["p"]).all()
@@ -223,7 +222,7 @@ def test_run_that_alone_determines_a_term_has_no_press():
 
 def test_replicates_of_a_deterministic_solver_are_no_pure_error():
     x = np.array([-1.0, 1, 0, 0, 0, 0.5])
-    model = regression.least_squares(np.column_stack([np.ones(6), x]), np.exp(x), ["1", "x"])
+    model = least_squares(np.column_stack([np.ones(6), x]), np.exp(x), ["1", "x"])
     table = regression.table(model, x[:, None], deterministic=True)
     assert np.isnan(table["lack_of_fit_f"]) and float(table["df_pure_error"]) == 2
     assert "replicates agree exactly" in table.attrs["notes"]
@@ -234,10 +233,10 @@ def test_p_values_are_uniform_when_there_is_no_effect():
     """Under the null hypothesis p is uniform: Kolmogorov-Smirnov over 400 noise samples."""
     matrix, _, names = random_model()
     noise = np.random.default_rng(0).normal(size=(400, 24))
-    p = [float(regression.table(regression.least_squares(matrix, y, names))["p"][2]) for y in noise]
+    p = [float(regression.table(least_squares(matrix, y, names))["p"][2]) for y in noise]
     assert stats.kstest(p, "uniform").pvalue > 0.01
 
 
 def test_values_that_are_not_finite_are_refused():
     with pytest.raises(FitError, match="not finite"):
-        regression.least_squares(np.ones((3, 1)), [1.0, np.nan, 2.0], ["1"])
+        least_squares(np.ones((3, 1)), [1.0, np.nan, 2.0], ["1"])
