@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from surrogate.cli.figures import COMPARED, INDICES, figure_tables, validation_tables
 from surrogate.cli.page import Page
 from surrogate.cli.progress import duration
 from surrogate.cli.results import Outcome
@@ -198,65 +198,19 @@ def store(study: Study, results: Path, to: Path | None) -> Page:
 def validate(study: Study, results: Path, cases: Path | None) -> Page:
     """Figures of agreement, and where the page is."""
     found, page = validate_with(study, results, cases)
-    parts = [*_validation_tables(figures_of(found)), "", f"page: {page}"]
+    parts = [*validation_tables(figures_of(found)), "", f"page: {page}"]
     return Page({**figures_of(found), "report": str(page)}, parts)
-
-
-def _validation_tables(figures: Mapping[str, Any]) -> list[str | Table]:
-    """How many cases, which were excluded, and a table for each output."""
-    inside, why = figures["inside"]["values"], figures["outside"]["values"]
-    labels, models = figures["case"]["values"], figures["model"]["values"]
-    parts: list[str | Table] = [
-        f"validation: {len(inside)} cases from {figures['attributes']['cases']}, "
-        f"{inside.count(False)} outside the ranges and excluded"
-    ]
-    aside = [f"  {label}: {words}" for label, words in zip(labels, why, strict=True) if words]
-    parts += aside[:10] + [f"  and {len(aside) - 10} more; the page lists all"] * (len(aside) > 10)
-    parts += [f"  {note}" for note in figures["attributes"]["notes"].split("\n") if note]
-    units = figures["units"]["values"]
-    for k, output in enumerate(figures["output"]["values"]):
-        rows = [
-            (title, *(_agreed(figures, key, k, j) for j in range(len(models))))
-            for key, title in _AGREEMENT.items()
-        ]
-        parts.append(Table(f"{output} ({units[k] or '-'})", ("", *models), rows))
-    return parts
-
-
-_AGREEMENT = {
-    "n": "cases",
-    "slope": "slope through origin",
-    "r2": "R2, 1 - SSE/SST",
-    "r2_correlation": "R2, correlation",
-    "mean_error_percent": "mean error (%)",
-    "rmse": "RMSE",
-    "bias": "bias",
-    "lower_limit": "lower limit of agreement",
-    "upper_limit": "upper limit of agreement",
-    "coverage_95": "coverage of 95 % intervals",
-}
-
-
-def _agreed(figures: Mapping[str, Any], key: str, output: int, model: int) -> str:
-    """A figure of agreement in three digits, with its interval when it has one."""
-    value, low, high = (
-        _value(figures[name], output, model) if name in figures else None
-        for name in (key, f"{key}_low", f"{key}_high")
-    )
-    if value is None:
-        return "-"
-    return f"{value:.3g}" + (f" [{low:.3g}, {high:.3g}]" if None not in (low, high) else "")
 
 
 def outcome(study: Study, done: Outcome) -> Page:
     """The findings in a few lines, and where the report is."""
     figures = done.summary
     parts: list[str | Table] = []
-    for key, titles in (("comparison", _COMPARED), ("sensitivity", _INDICES)):
+    for key, titles in (("comparison", COMPARED), ("sensitivity", INDICES)):
         if figures[key]:
-            parts += [part for made in _figure_tables(figures[key], titles) for part in (made, "")]
+            parts += [part for made in figure_tables(figures[key], titles) for part in (made, "")]
     if figures["validation"]:
-        parts += [*_validation_tables(figures["validation"]), ""]
+        parts += [*validation_tables(figures["validation"]), ""]
     if figures["screening"]:
         parts.append(_screening_line(figures["screening"]))
     if figures["failures"]:
@@ -267,70 +221,6 @@ def outcome(study: Study, done: Outcome) -> Page:
     ]
     parts.append(f"report: {done.report}" + ("" if done.fresh else " (was up to date)"))
     return Page({**figures, "report": str(done.report)}, parts)
-
-
-_COMPARED = {
-    "q2_cv": "Q2 (cross-validated)",
-    "q2_test": "Q2 (test)",
-    "rmse_test": "RMSE (test)",
-    "rmse_cv": "RMSE (cross-validated)",
-}
-_INDICES = {
-    "first_order": "first order",
-    "total": "total",
-    "group_first_order": "first order",
-    "group_total": "total",
-    "group_shapley": "share of the variance",
-}
-
-
-def _figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> list[Table]:
-    """Tables of each output, one for surrogates, parameters or groups.
-
-    Columns are the variables in `titles`; all flat ones when none of the titles is there.
-    """
-    rows_of = {
-        key: next(d for d in figure["dimensions"] if d != "output")
-        for key, figure in figures.items()
-        if len(figure.get("dimensions", ())) == 2 and "output" in figure["dimensions"]
-    }
-    made = []
-    for (k, output), kind in product(
-        enumerate(figures["output"]["values"]), dict.fromkeys(rows_of.values())
-    ):
-        own = [key for key, rows in rows_of.items() if rows == kind]
-        columns = {key: title for key, title in titles.items() if key in own} or {
-            key: key.replace("_", " ")
-            for key in own
-            if not key.endswith(("_low", "_high", "_sampling", "_surrogate"))
-        }
-        made.append(
-            Table(
-                output,
-                (kind, *columns.values()),
-                [
-                    (name, *(_cell(figures, key, k, j) for key in columns))
-                    for j, name in enumerate(figures[kind]["values"])
-                ],
-            )
-        )
-    return made
-
-
-def _cell(figures: Mapping[str, Any], key: str, output: int, row: int) -> Any:
-    """A figure, with its interval when it has one."""
-    value, low, high = (
-        _value(figures[name], output, row) if name in figures else None
-        for name in (key, f"{key}_low", f"{key}_high")
-    )
-    if value is None:
-        return "-"
-    return value if low is None or high is None else f"{value:.4f} [{low:.4f}, {high:.4f}]"
-
-
-def _value(figure: Mapping[str, Any], output: int, row: int) -> Any:
-    first, second = (output, row) if figure["dimensions"][0] == "output" else (row, output)
-    return figure["values"][first][second]
 
 
 def _screening_line(screening: Mapping[str, Any]) -> str:
