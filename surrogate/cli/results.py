@@ -71,6 +71,7 @@ def do_runs(
     retry_failed: bool | tuple[str, ...] = False,
     fresh: bool = False,
     progress: Callable[[Progress], None] | None = None,
+    tell: Callable[[str], None] = lambda sentence: None,
 ) -> xr.Dataset:
     """Do the missing runs; returns the runs dataset.
 
@@ -85,6 +86,7 @@ def do_runs(
             retry_failed=retry_failed,
             fresh=fresh,
             progress=progress,
+            tell=tell,
         )
         reference = study.validation.reference if study.validation else None
         if reference is not None:

@@ -112,7 +112,7 @@ def run(
     loaded = _read(study)
     folder = results.folder_of(loaded, results_dir)
     loaded = loaded.found(folder)
-    for sentence in () if fresh else [*([] if quiet else loaded.unused), *loaded.damaged(folder)]:
+    for sentence in () if fresh or quiet else loaded.unused:
         say(sentence)
     with RunsBar(loaded.name, hidden=quiet) as bar:
         runs = results.do_runs(
@@ -122,6 +122,7 @@ def run(
             retry_failed=chosen(retry_failed),
             fresh=fresh,
             progress=bar,
+            tell=say,
         )
     with StagesBar(loaded.name, hidden=quiet) as steps:
         outcome = results.analyse(loaded, folder, runs, workers=workers, steps=steps)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -37,7 +38,7 @@ def execute(
     spec: SolverSpec,
     columns: Mapping[str, Any],
     *,
-    journal: str | Path,
+    journal: str | Path | Journal,
     constants: Mapping[str, Any] | None = None,
     outputs: Iterable[str] | None = None,
     workers: int | None = None,
@@ -54,7 +55,7 @@ def execute(
     """Run the solver at each row of `columns` that the journal does not have; return the tally.
 
     columns    physical values, name -> (run,); equal rows run once (deterministic solvers)
-    journal    folder of the journal
+    journal    folder of the journal, or the journal itself, opened
     outputs    names of the outputs to keep; None keeps all
     workers    processes, or runs at a time in `executor` (no more than it has places);
                None: as many as there are cores, or places of a cluster
@@ -83,7 +84,8 @@ def execute(
     wanted, given = spec.wanted(outputs), given or StoredMatches()
     asked = run_inputs(spec, columns, constants)
     runs = dict(zip(keys(spec, asked), asked, strict=True))
-    with Journal(journal) as book:
+    opened = nullcontext(journal) if isinstance(journal, Journal) else Journal(journal)
+    with opened as book:
         known = KnownRuns(book.contents, given, wanted).records
         missing = [key for key in runs if not settled(known.get(key), wanted, timeout, rerun)]
         missing = _adopt(book, missing, wanted, others)
@@ -95,7 +97,7 @@ def execute(
         tally.start([known[key] for key in runs.keys() - set(missing)])
         if queue:
             settings = RunSettings(
-                spec, wanted, workers, threads, timeout, memory, retries, Path(journal).parent
+                spec, wanted, workers, threads, timeout, memory, retries, book.folder.parent
             )
             with stop_on_signals() as stop:
                 _record(_starter(executor)(settings), settings, stop, queue, book, tally)

@@ -14,31 +14,30 @@ from surrogate.runs.journal import Journal, read
 
 
 def execute_fresh(
-    spec: SolverSpec, columns: Mapping[str, Any], *, journal: str | Path, **options: Any
+    spec: SolverSpec, columns: Mapping[str, Any], book: Journal, **options: Any
 ) -> Progress:
-    """As `execute`, at every row; new records follow the old ones when all are done.
+    """As `execute`, at every row; new records follow the old ones of `book` when all are done.
 
-    Until then they stand in a journal of their own beside `journal`, which is held
-    meanwhile. So an interrupted call is resumed by repeating it, and one that is given up
-    has changed nothing. Of a key that stands twice in a journal the last record counts.
+    Until then they stand in a journal of their own beside it. So an interrupted call is
+    resumed by repeating it, and one that is given up has changed nothing. Of a key that stands
+    twice in a journal the last record counts.
     """
-    aside = _aside(journal)
-    with Journal(journal) as book:
-        try:
-            tally = execute(spec, columns, journal=aside, **options)
-        except KeyboardInterrupt as stop:
-            raise KeyboardInterrupt(*(f"{why}, with --fresh" for why in stop.args)) from None
-        done = read(aside)
-        for record in done.records.values():
-            book.adopt(record, done)
+    aside = _aside(book.folder)
+    try:
+        tally = execute(spec, columns, journal=aside, **options)
+    except KeyboardInterrupt as stop:
+        raise KeyboardInterrupt(*(f"{why}, with --fresh" for why in stop.args)) from None
+    done = read(aside)
+    for record in done.records.values():
+        book.adopt(record, done)
     shutil.rmtree(aside)
     return tally
 
 
-def interrupted(journal: str | Path) -> int:
+def interrupted(journal: Path) -> int:
     """Number of new runs that wait for an interrupted `execute_fresh` to be resumed."""
     return len(read(_aside(journal)).records)
 
 
-def _aside(journal: str | Path) -> Path:
-    return Path(journal).with_name(f"{Path(journal).name}_fresh")
+def _aside(journal: Path) -> Path:
+    return journal.with_name(f"{journal.name}_fresh")

@@ -46,6 +46,7 @@ def assemble(
     study: str = "",
     seeds: Mapping[str, Any] | None = None,
     run_keys: Sequence[str] | None = None,
+    values: bool = True,
 ) -> xr.Dataset:
     """The runs dataset of several designs, from what the journal holds.
 
@@ -54,6 +55,7 @@ def assemble(
     journal  what `surrogate.runs.journal.read` gave; a run that it lacks has status "missing"
     study    text of the study file; seeds: name -> seed. Both are kept as attributes
     run_keys identity of each row (surrogate.runs.identity.keys), where it is at hand
+    values   False: without the outputs
 
     Raises `StudyError` when a name would stand for two things.
     """
@@ -78,11 +80,11 @@ def assemble(
                 {"units": "1", "long_name": "coded value, -1 to 1 over the range"},
             ),
             **_parameters(space, physical),
-            **_outputs(wanted, records, journal),
+            **_outputs(wanted if values else {}, records, journal),
             **_history(designs, records),
             "origin": _origins(journal, run_keys),
         },
-        coords={"parameter": list(space.names), **_coordinates(wanted)},
+        coords={"parameter": list(space.names), **_coordinates(wanted if values else {})},
         attrs=_provenance(spec, constants, fixed, study, seeds),
     )
 

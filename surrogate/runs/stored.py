@@ -20,6 +20,7 @@ import xarray as xr
 
 from surrogate.errors import ResultsError, StudyError
 from surrogate.runs import dataset as rundata
+from surrogate.runs.compaction import JOURNAL
 from surrogate.runs.identity import RunInputs, SolverSpec, keys_in
 from surrogate.runs.journal import JournalContents
 from surrogate.runs.record import Record
@@ -289,7 +290,7 @@ def write(runs: xr.Dataset, path: str | Path) -> None:
         if _fits_single(finished[name])
     }
     finished = finished.assign(single)
-    for of_the_journal in ("stored", "damaged"):
+    for of_the_journal in ("stored", "damaged", JOURNAL):
         finished.attrs.pop(of_the_journal, None)
     rundata.save(finished, path, compressed=True)
 

@@ -16,9 +16,10 @@ import numpy as np
 import xarray as xr
 
 from surrogate.runs.assembly import versions
+from surrogate.runs.compaction import JOURNAL
 
 #: Attributes of a runs dataset that tell of its making and change no result.
-APART = ("study", "created")
+APART = ("study", "created", JOURNAL)
 
 
 def digest(*things: Any) -> str:

@@ -45,6 +45,14 @@ def sound(folder: Path, entry: Mapping[str, Any] | None, made_from: str) -> bool
     return False
 
 
+def intact(folder: Path, name: str) -> bool:
+    """True when a stage wrote the file of this name, and it is as it was written."""
+    with suppress(KeyError, TypeError, AttributeError, ValueError):
+        known = [entry["files"][name] for entry in read(folder).values() if name in entry["files"]]
+        return bool(known) and _as_written(folder / name, *known[0])
+    return False
+
+
 def _as_written(path: Path, size: int, time: int, sha256: str) -> bool:
     try:
         found = path.stat()

@@ -24,11 +24,15 @@ from surrogate.execution.shared.claims import at_work
 from surrogate.execution.shared.work import Shared, work
 from surrogate.runs import stored as storing
 from surrogate.runs.assembly import assemble, physical_columns
+from surrogate.runs.compaction import JOURNAL, compacted
 from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
+from surrogate.runs.journal import Journal, JournalContents
+from surrogate.runs.journal import digest as journal_digest
 from surrogate.runs.journal import read as read_journal
 from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
 from surrogate.space.space import Space
-from surrogate.study.kept_designs import keep, recall
+from surrogate.stages import written
+from surrogate.study.kept_designs import RUNS, keep, recall
 from surrogate.study.parts import ExecutionPart
 
 #: Random points among those that stand for points not found yet.
@@ -123,14 +127,42 @@ class AskedRuns:
                 why = storing.first_difference(file, self.spec, asked.calls, self.outputs)
                 yield index, f"no run in '{file.name}' is one of this study's: {why}"
 
-    def dataset(self) -> xr.Dataset:
+    def dataset(self, journal: JournalContents | None = None) -> xr.Dataset:
         """The runs dataset as far as journal and stored files go; the rest is 'missing'.
 
-        Its attribute `stored` tells how many runs came from which stored file, `damaged` has
-        a sentence for each damaged record of the journal.
+        journal: what it holds, where that is at hand. Attributes of the dataset: `stored` tells
+        how many runs came from which stored file, `damaged` has a sentence for each damaged
+        record of the journal.
         """
-        contents = read_journal(self.journal)
-        known = KnownRuns(contents, self.given, self.spec.wanted(self.outputs))
+        return self._found(journal, values=True)
+
+    def history(self) -> xr.Dataset:
+        """The same without the outputs: how each run ended."""
+        return self._found(None, values=False)
+
+    def _found(self, journal: JournalContents | None, values: bool) -> xr.Dataset:
+        if journal is None:
+            kept = self._compacted(values)
+            if kept is not None:
+                return kept
+            journal = read_journal(self.journal)
+        return self._assembled(journal, self.given, self.keys, values)
+
+    def _compacted(self, values: bool) -> xr.Dataset | None:
+        """From runs.nc, when it is as it was written and the journal has not changed since."""
+        if self.stored_runs or not written.intact(self.folder, RUNS):
+            return None
+        rows = sum(len(coded) for coded in self.points.values())
+        nothing = JournalContents({}, self.journal)
+        asked = self._assembled(nothing, StoredMatches(), [""] * rows, values=False)
+        asked = asked.assign_attrs({JOURNAL: journal_digest(self.journal)})
+        wanted = self.spec.wanted(self.outputs)
+        return compacted(self.folder / RUNS, asked, wanted, values=values)
+
+    def _assembled(
+        self, journal: JournalContents, given: StoredMatches, run_keys: list[str], values: bool
+    ) -> xr.Dataset:
+        known = KnownRuns(journal, given, self.spec.wanted(self.outputs))
         runs = assemble(
             self.space,
             self.points,
@@ -144,11 +176,13 @@ class AskedRuns:
                 for name, design in self.designs.items()
                 if "seed" in design.options
             },
-            run_keys=self.keys,
+            run_keys=run_keys,
+            values=values,
         )
         return runs.assign_attrs(
-            stored=canonical(known.origins(self.keys)),
-            damaged=canonical(contents.told),
+            {JOURNAL: journal.digest},
+            stored=canonical(known.origins(run_keys)),
+            damaged=canonical(journal.told),
             **({"notes": "\n".join(self.notes)} if self.notes else {}),
         )
 
@@ -161,25 +195,26 @@ class AskedRuns:
         rerun: tuple[str, ...],
         fresh: bool,
         progress: Callable[[Progress], None] | None,
-    ) -> None:
+        tell: Callable[[str], None],
+    ) -> JournalContents:
         """Do the runs that neither journal, nor neighbours, nor stored files have.
 
-        fresh: all of them, taking nothing over but the rows of a table. The other words are
-        those of `execute`. Of a solver whose answers are told none is done; raises `StudyError`
-        for `fresh` then. A table in place of a solver has all runs that it can have.
+        fresh: all of them, taking nothing over but the rows of a table. tell: hears a sentence
+        of each damaged record. The other words are those of `execute`. Of a solver whose
+        answers are told none is done; raises `StudyError` for `fresh` then. A table in place
+        of a solver has all runs that it can have. Returns what the journal holds then.
         """
         if self.spec.recorded:
-            return
+            return read_journal(self.journal)
         if self.spec.told:
             if fresh:
                 raise StudyError(
                     f"the answers of {self.spec.name} are told, so no run can be done afresh; "
                     "change its version to ask for all of them again"
                 )
-            return
+            return read_journal(self.journal)
         keep(self.designs, self.folder)
         how: dict[str, Any] = {
-            "journal": self.journal,
             "constants": self.constants,
             "outputs": self.outputs,
             "workers": workers or execution.at_once,
@@ -194,19 +229,23 @@ class AskedRuns:
         if isinstance(executor, Shared):
             if fresh:
                 raise StudyError("--fresh is for one worker; choose executor: local for it")
-            work(self.spec, columns, **how, **taken, lease=executor.lease)
-            return
+            work(self.spec, columns, journal=self.journal, **how, **taken, lease=executor.lease)
+            return read_journal(self.journal)
         busy = at_work(self.journal)
         if busy:
             raise ResultsError(
                 f"{len(busy)} workers share {self.folder} ({', '.join(busy[:3])}); join them with "
                 "`surrogate work`, or wait until they are done"
             )
-        if fresh:
-            tables = self.matching(file for file in self.stored_runs if file.tabulated)
-            execute_fresh(self.spec, columns, **how, given=tables, executor=executor)
-        else:
-            execute(self.spec, columns, **how, **taken, executor=executor)
+        with Journal(self.journal) as book:
+            for sentence in book.contents.told:
+                tell(sentence)
+            if fresh:
+                tables = self.matching(file for file in self.stored_runs if file.tabulated)
+                execute_fresh(self.spec, columns, book, **how, given=tables, executor=executor)
+            else:
+                execute(self.spec, columns, journal=book, **how, **taken, executor=executor)
+            return book.now
 
     def _neighbours(self) -> list[Path]:
         """Journals of other studies beside this one's results."""

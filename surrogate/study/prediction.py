@@ -130,7 +130,7 @@ def _stored(study: Study, results: Path, surrogate: str | None) -> tuple[xr.Data
         raise StudyError(
             f"surrogate '{surrogate}' is unknown; {nearest(surrogate, study.surrogates)}"
         )
-    stored, unfound = study.begun(results)
+    stored, unfound = study.stored(results), study.asked(results).waiting
     if not (stored["status"] == "ok").any():
         raise ResultsError(
             f"{results} holds no finished runs of this study; do `surrogate run` first"

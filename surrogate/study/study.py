@@ -17,7 +17,6 @@ from surrogate.execution.rerun import STATUSES
 from surrogate.execution.shared.work import Shared
 from surrogate.fitting.comparison import best
 from surrogate.fitting.fit import Fit
-from surrogate.runs.journal import read as read_journal
 from surrogate.sensitivity.screening import Screening
 from surrogate.stages import fits as fitting
 from surrogate.stages import report as reporting
@@ -123,7 +122,7 @@ class Study(Description):
         tells how many runs came from which stored file, `damaged` has a sentence for each
         damaged record of the journal.
         """
-        return self.begun(results)[0]
+        return self.asked(results).at_hand.dataset()
 
     def to_find(self, results: Path | None = None) -> list[str]:
         """A sentence for each design that has no rows yet, because no run has searched for it."""
@@ -134,17 +133,13 @@ class Study(Description):
             if not one.at_hand
         ]
 
-    def damaged(self, results: Path | None = None) -> list[str]:
-        """A sentence for each damaged record of the journal."""
-        return read_journal(self.journal(results)).told
-
     def begun(self, results: Path | None = None) -> tuple[xr.Dataset, int]:
-        """What `stored` gives, and the number of runs of designs that have no rows there.
+        """How the runs ended, and the number of runs of designs that have no rows there.
 
-        No run of a design is done before its points are found, so counting needs no search.
+        It is what `stored` gives without the outputs.
         """
         asked = self.asked(results)
-        return asked.at_hand.dataset(), asked.waiting
+        return asked.at_hand.history(), asked.waiting
 
     @property
     def unused(self) -> list[str]:
@@ -164,6 +159,7 @@ class Study(Description):
         retry_failed: bool | Iterable[str] = False,
         fresh: bool = False,
         progress: Callable[[Progress], None] | None = None,
+        tell: Callable[[str], None] = lambda sentence: None,
     ) -> xr.Dataset:
         """Do the runs that neither the journal nor a stored file has; returns the runs dataset.
 
@@ -173,18 +169,19 @@ class Study(Description):
         retry_failed: do failed and timed-out runs again, or some: "timed_out",
         "message~text". fresh: do every run again and take
         nothing over; old records count until all is done, and an interrupted call is resumed
-        by repeating it.
+        by repeating it. tell: hears a sentence of each damaged record of the journal.
         """
         asked = self.found(results).asked(results)
-        asked.do(
+        journal = asked.do(
             self.execution,
             workers=workers,
             executor=executor or reading.starter(self.execution, self._beside),
             rerun=STATUSES if retry_failed is True else tuple(retry_failed or ()),
             fresh=fresh,
             progress=progress,
+            tell=tell,
         )
-        return asked.dataset()
+        return asked.dataset(journal)
 
     def fit(self, runs: xr.Dataset) -> dict[str, dict[str, Fit]]:
         """Every surrogate fitted to every output: surrogate -> output -> Fit.
