@@ -142,7 +142,13 @@ def store(study: Study, folder: Path, to: Path | None = None) -> tuple[Path, xr.
     return path, runs
 
 
-def validate(study: Study, folder: Path, cases: Path | None = None) -> tuple[xr.Dataset, Path]:
+def validate(
+    study: Study,
+    folder: Path,
+    cases: Path | None = None,
+    *,
+    steps: Callable[[Step], None] = lambda step: None,
+) -> tuple[xr.Dataset, Path]:
     """Set the stored runs' surrogates beside cases; returns the figures and their page's path.
 
     cases: a file; default the study's own. The dataset is written beside the page, both named
@@ -155,9 +161,9 @@ def validate(study: Study, folder: Path, cases: Path | None = None) -> tuple[xr.
             "validation: {cases: FILE.csv} or give --cases FILE"
         )
     runs = study.stored(folder)
-    fits = walk(study, folder, runs).result("fits")
+    fits = walk(study, folder, runs, progress=steps).result("fits")
     table = study.validate(fits.value, cases, results=folder)
-    lost = list(fits.not_done)
+    lost = [*study.to_find(folder), *fits.not_done]
     assert table is not None  # there are cases
     if not table.sizes["model"]:
         raise ResultsError(_nothing_beside(study, table, runs, folder, lost))

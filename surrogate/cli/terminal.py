@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from surrogate.cli.results import validate as validate_with
 from surrogate.cli.table import Table
 from surrogate.execution.fresh import interrupted
 from surrogate.runs import dataset as rundata
+from surrogate.stages.stage import Step
 from surrogate.stages.summary import figures_of
 from surrogate.study import prediction
 from surrogate.study.study import Study
@@ -195,9 +196,14 @@ def store(study: Study, results: Path, to: Path | None) -> Page:
     )
 
 
-def validate(study: Study, results: Path, cases: Path | None) -> Page:
+def validate(
+    study: Study,
+    results: Path,
+    cases: Path | None,
+    steps: Callable[[Step], None] = lambda step: None,
+) -> Page:
     """Figures of agreement, and where the page is."""
-    found, page = validate_with(study, results, cases)
+    found, page = validate_with(study, results, cases, steps=steps)
     parts = [*validation_tables(figures_of(found)), "", f"page: {page}"]
     return Page({**figures_of(found), "report": str(page)}, parts)
 
@@ -237,10 +243,15 @@ def _place(row: Mapping[str, Any]) -> str:
 
 
 def predict(
-    study: Study, results: Path, surrogate: str | None, words: Sequence[str], points: Path | None
+    study: Study,
+    results: Path,
+    surrogate: str | None,
+    words: Sequence[str],
+    points: Path | None,
+    steps: Callable[[Step], None] = lambda step: None,
 ) -> Page:
     """Values with intervals at points given as words or as a CSV file."""
-    found = prediction.predict(study, results, surrogate, words, points)
+    found = prediction.predict(study, results, surrogate, words, points, steps=steps)
     parts: list[str | Table] = [found.note] if found.note else []
     rows = []
     for row in found.rows:

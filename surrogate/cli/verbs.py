@@ -226,14 +226,13 @@ def predict(
 ) -> None:
     """Predict outputs at new points, with intervals. Runs nothing."""
     from surrogate.cli import results, terminal
+    from surrogate.cli.progress import StagesBar
 
     loaded = _read(study)
-    _show(
-        terminal.predict(
-            loaded, results.folder_of(loaded, results_dir), surrogate, at or [], points
-        ),
-        as_json,
-    )
+    folder = results.folder_of(loaded, results_dir)
+    with StagesBar(loaded.name, hidden=quiet) as steps:
+        page = terminal.predict(loaded, folder, surrogate, at or [], points, steps)
+    _show(page, as_json)
 
 
 @app.command()
@@ -251,9 +250,13 @@ def validate(
 ) -> None:
     """Compare surrogates and other models with reference cases. Runs no solver of the study."""
     from surrogate.cli import results, terminal
+    from surrogate.cli.progress import StagesBar
 
     loaded = _read(study)
-    _show(terminal.validate(loaded, results.folder_of(loaded, results_dir), cases), as_json)
+    folder = results.folder_of(loaded, results_dir)
+    with StagesBar(loaded.name, hidden=quiet) as steps:
+        page = terminal.validate(loaded, folder, cases, steps)
+    _show(page, as_json)
 
 
 @app.command()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from surrogate.errors import FitError, ResultsError, StudyError, nearest
 from surrogate.fitting.extrapolation import extrapolates
 from surrogate.fitting.fit import Fit
 from surrogate.space.space import Space
+from surrogate.stages.stage import Step
 from surrogate.stages.walk import Walk
 from surrogate.study.analysis import walk
 from surrogate.study.study import Study
@@ -39,7 +40,13 @@ class Predictions:
 
 
 def predict(
-    study: Study, results: Path, surrogate: str | None, words: Sequence[str], points: Path | None
+    study: Study,
+    results: Path,
+    surrogate: str | None,
+    words: Sequence[str],
+    points: Path | None,
+    *,
+    steps: Callable[[Step], None] = lambda step: None,
 ) -> Predictions:
     """Values and 95 % intervals at `name=value` words, or at the rows of a table.
 
@@ -51,7 +58,7 @@ def predict(
     space = study.space
     physical = _from_words(space, words) if points is None else _from_table(space, points, words)
     coded = study.space.encode(physical)
-    fits, notes = fits_at_hand(study, results, surrogate)
+    fits, notes = fits_at_hand(study, results, surrogate, steps=steps)
     inside = study.space.contains(coded)
     hidden = _hidden(study, [fit for _, fit in fits.values()], coded)
     outputs = {output: (name, *_with_interval(fit, coded)) for output, (name, fit) in fits.items()}
@@ -62,7 +69,11 @@ def predict(
 
 
 def fits_at_hand(
-    study: Study, results: Path, surrogate: str | None
+    study: Study,
+    results: Path,
+    surrogate: str | None,
+    *,
+    steps: Callable[[Step], None] = lambda step: None,
 ) -> tuple[dict[str, tuple[str, Fit]], list[str]]:
     """Output -> (name of the surrogate, its fit), from the runs there are; and what to know.
 
@@ -70,7 +81,7 @@ def fits_at_hand(
     """
     stored, unfound = _stored(study, results, surrogate)
     asked = study if surrogate is None else study.with_surrogates([surrogate])
-    stages = walk(asked, results, stored)
+    stages = walk(asked, results, stored, progress=steps)
     fits = stages.value("fits")
     found = {
         output: (name, fits[name][output])

@@ -83,6 +83,7 @@ def test_no_verb_searches_for_a_design_that_was_added(tmp_path, cases, method):
     assert told == "design test: its 5 points are not found yet, and none of its runs is done; " \
         "do `surrogate run`"  # fmt: skip
     assert told in done.trouble
+    assert told in results.validate(two, tmp_path, cases)[0].attrs["notes"]
     assert calls == []
     whole = results.analyse(two, tmp_path, run(two, tmp_path))
     assert calls == [5] and whole.fresh and whole.summary["not_done"] == []
@@ -148,3 +149,15 @@ def test_check_shows_the_aliasing_of_a_d_optimal_design(tmp_path):
     """The four runs from which three parameters are estimated best: the half fraction."""
     one = study({"method": "d_optimal", "runs": 4, "seed": 1}, surrogates={})
     assert terminal.check(one, tmp_path).data["aliasing"]["train"]["resolution"] == 3
+
+
+def test_predict_and_validate_tell_how_far_their_fits_are(tmp_path, cases):
+    """As an analysis does; what is kept is not fitted again and not told."""
+    one, steps = study({"method": "searches:counted", "runs": 14}), []
+    run(one, tmp_path)
+    point = ["X1=0", "X2=0", "X3=0"]
+    terminal.predict(one, tmp_path, "linear", point, None, steps.append)
+    assert [step.label for step in steps if step.stage == "fits"] == ["linear of y", ""]
+    terminal.validate(one, tmp_path, cases, steps.append)
+    labels = [step.label for step in steps if step.stage == "fits"]
+    assert labels == ["linear of y", "", "quadratic of y", ""]
