@@ -319,9 +319,9 @@ def list_plugins(as_json: AsJson = False, quiet: Quiet = False) -> None:
 @app.command()
 def schema(quiet: Quiet = False) -> None:
     """Print the JSON Schema of the study file."""
-    from surrogate.study.schema import json_schema
+    from surrogate.study.schema import schema_text
 
-    print(json.dumps(json_schema(), indent=2))
+    print(schema_text(), end="")
 
 
 def _read(path: Path) -> Study:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from importlib.machinery import ModuleSpec, PathFinder
 from importlib.metadata import EntryPoint
@@ -38,7 +39,29 @@ def _in_source(module: str, name: str) -> str | None:
     spec = _found(module)
     if spec is None or spec.origin is None or not spec.origin.endswith(".py"):
         return None
-    tree = ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
+    source = Path(spec.origin).read_text(encoding="utf-8")
+    return _at_a_glance(source, module, name) or _parsed(source, spec, name)
+
+
+def _at_a_glance(source: str, module: str, name: str) -> str | None:
+    """The first line of the documentation, where it stands as one usually writes it."""
+    defined = re.search(rf"^(?:class|def) {re.escape(name)}\b", source, re.MULTILINE)
+    if defined is None:
+        return None
+    alone = module.endswith(f".{name}")
+    start = 0 if alone else defined.end()
+    found = (_FIRST if alone else _BELOW).match(source, start)
+    return found[1] if found else None
+
+
+#: A module that begins with its documentation, and the rest of a `class` or `def` before its own.
+_FIRST = re.compile(r'"""([^\n"\\]+)(?:\n|""")')
+_BELOW = re.compile(r'(?:\([^()"#]*\))?(?: -> [^:"#]+)?:\n {4}"""([^\n"\\]+)(?:\n|""")')
+
+
+def _parsed(source: str, spec: ModuleSpec, name: str) -> str | None:
+    """The documentation as Python reads it, also of a name that is imported there."""
+    module, tree = spec.name, ast.parse(source)
     for node in tree.body:
         if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name == name:
             return ast.get_docstring(tree if module.endswith(f".{name}") else node)
@@ -46,8 +69,8 @@ def _in_source(module: str, name: str) -> str | None:
         if isinstance(node, ast.ImportFrom) and name in (
             one.asname or one.name for one in node.names
         ):
-            source = resolve_name("." * node.level + (node.module or ""), spec.parent)
-            return _in_source(source, name)
+            origin = resolve_name("." * node.level + (node.module or ""), spec.parent)
+            return _in_source(origin, name)
     return None
 
 
