@@ -31,10 +31,7 @@ def check(study: Study, results: Path) -> Page:
     stored, unfound = study.begun(results)
     counts = rundata.counts(stored)
     counts["missing"] += unfound
-    parameters = [
-        (p.name, p.unit, ", ".join(p.levels) if p.categorical else str(p.distribution))
-        for p in study.space.parameters
-    ]
+    parameters = [(p.name, p.unit, p.described) for p in study.space.parameters]
     designs = [
         (d.name, d.method, d.runs, ", ".join(f"{m} {n}" for m, n in d.added))
         for d in study.designs.values()

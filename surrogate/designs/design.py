@@ -10,11 +10,13 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.card import Card, Carded
+
 Method = TypeVar("Method", bound=Callable[..., NDArray[np.float64]])
 
 
-@dataclass(frozen=True)
-class Design:
+@dataclass(frozen=True, repr=False)
+class Design(Carded):
     """Where to run the solver.
 
     name      as in the study: train, test, ...
@@ -41,6 +43,17 @@ class Design:
     spread: bool = False
     identity: str = ""
     replicates: int = 1
+
+    @property
+    def _card(self) -> Card:
+        facts = {
+            "method": self.method,
+            "runs": self.runs,
+            "options": ", ".join(f"{word}={value}" for word, value in self.options.items()),
+            "added": ", ".join(f"{count} by {name}" for name, count in self.added),
+            "points": "" if self.at_hand else "not searched for yet",
+        }
+        return Card("Design", self.name, facts)
 
     @cached_property
     def coded(self) -> NDArray[np.float64]:

@@ -26,6 +26,7 @@ from sklearn.base import clone
 from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import FunctionTransformer
 
+from surrogate.card import Card, Carded
 from surrogate.counting import counting
 from surrogate.errors import FitError
 from surrogate.estimator import Array, HasStd, Regressor, has_minimum, is_portable, leaves_out
@@ -43,8 +44,8 @@ LEAVE_ONE_OUT = 20
 FOLDS = 10
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(Carded):
     """A fitted surrogate of one output.
 
     surrogate, output  their names
@@ -65,6 +66,20 @@ class Fit:
     folds: Numbers
     left_out: Array
     seconds: float
+
+    @property
+    def _card(self) -> Card:
+        shape = " x ".join(map(str, self.values.shape[1:]))
+        facts = {
+            "Q2": self.q2,
+            "RMSE": self.rmse,
+            "runs": len(self.values),
+            "parameters": self.space.size,
+            "field": shape,
+            "intervals": "its own" if self.offers_std else "of the left-out errors",
+            "seconds": self.seconds,
+        }
+        return Card("Fit", f"{self.surrogate} of {self.output}", facts)
 
     @property
     def q2(self) -> float:

@@ -55,6 +55,11 @@ class Parameter:
         return bool(self.levels)
 
     @property
+    def described(self) -> str:
+        """Its law or its levels in words."""
+        return ", ".join(self.levels) if self.categorical else str(self.distribution)
+
+    @property
     def allowed(self) -> Numbers | None:
         """Coded allowed values, rising, (k,), of integers and listed values; else None."""
         law = self.distribution

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
+from surrogate.card import Card, Rows
 from surrogate.errors import StudyError, nearest
 from surrogate.space.constraints import Relation
 from surrogate.space.parameter import Parameter
@@ -37,6 +38,15 @@ class Space:
     correlation: tuple[tuple[float, ...], ...] | None = None
     constraints: tuple[Relation, ...] = ()
     fixed: tuple[tuple[str, float], ...] = ()
+
+    def _repr_html_(self) -> str:
+        rows = [(p.name, p.unit, p.described) for p in self.parameters]
+        facts = {
+            "constraints": "; ".join(one.text for one in self.constraints),
+            "correlation": "Gaussian copula" if self.correlation is not None else "",
+        }
+        table = Rows("parameters", ("name", "unit", "values"), rows)
+        return Card("Space", f"of {self.size} parameters", facts, (table,)).html()
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Space:
         """Itself: nothing in it changes, and scikit-learn copies it with every regressor."""

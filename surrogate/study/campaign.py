@@ -27,6 +27,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from surrogate.card import Card, Carded
 from surrogate.errors import StudyError, nearest
 from surrogate.execution.answers import accepted
 from surrogate.runs.assembly import physical_columns
@@ -55,7 +56,7 @@ class Point:
     inputs: Mapping[str, float | str]
 
 
-class Campaign:
+class Campaign(Carded):
     """The study's runs, handed out by `ask` and answered by `tell`.
 
     study    a `Study`, or the path of its file
@@ -78,6 +79,18 @@ class Campaign:
         done = {key for key, one in known.items() if one.answers(self._wanted) and not one.lost}
         self._open = {key: point for key, point in self._points.items() if key not in done}
         self._handed_out: set[str] = set()
+
+    @property
+    def _card(self) -> Card:
+        points, out = len(self._points), len(self._handed_out & self._open.keys())
+        facts = {
+            "points": points,
+            "answered": points - self.left,
+            "handed out": out,
+            "left": self.left,
+            "results": str(self._runs.folder),
+        }
+        return Card("Campaign", self.study.name, facts)
 
     def __enter__(self) -> Campaign:
         return self

@@ -9,6 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from surrogate.card import Card, Carded, Rows
 from surrogate.designs.aliasing import Aliasing
 from surrogate.designs.design import Design
 from surrogate.execution.backend import cores
@@ -29,8 +30,8 @@ from surrogate.study.source import Source
 from surrogate.validation.validation import Validation
 
 
-@dataclass(frozen=True)
-class Description:
+@dataclass(frozen=True, repr=False)
+class Description(Carded):
     """What a study file says, as objects.
 
     constants are in the solver's units; inputs that are neither parameters nor
@@ -53,6 +54,33 @@ class Description:
     validation: Validation | None
     notes: tuple[str, ...]
     source: Source = field(repr=False, compare=False)
+
+    @property
+    def _card(self) -> Card:
+        parameters = self.space.parameters
+        rows = [(p.name, p.unit, p.described) for p in parameters]
+        designs = [(d.name, d.method, d.runs) for d in self.designs.values()]
+        cheap = [(s.name, s.method, " + ".join(s.train)) for s in self.surrogates.values()]
+        method = self.sensitivity_method
+        facts = {
+            "about": self.about,
+            "solver": self.spec.name,
+            "parameters": ", ".join(p.name for p in parameters),
+            "outputs": ", ".join(self.outputs),
+            "designs": ", ".join(f"{name} ({runs} runs)" for name, _, runs in designs),
+            "surrogates": ", ".join(self.surrogates),
+            "sensitivity": f"{method.name} of {method.surrogate}" if method else "",
+            "results": self.folder.as_posix(),
+        }
+        tables = (
+            Rows("parameters", ("name", "unit", "values"), rows),
+            Rows("designs", ("name", "method", "runs"), designs),
+            Rows("surrogates", ("name", "method", "training designs"), cheap),
+        )
+        return Card("Study", self.name, facts, tables)
+
+    def __repr__(self) -> str:
+        return self._card.text()
 
     @property
     def folder(self) -> Path:

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 from surrogate.study.description import Description
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Study(Description):
     """A study: what its file says, its runs, and thin calls of what follows from them.
 
