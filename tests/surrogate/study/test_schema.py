@@ -82,7 +82,7 @@ WRONG = {
     "a key": ({"surogates": {}}, []),
     "a key of a part": ({"execution": {"timeot": "1 h"}}, ["execution"]),
     "a solver": ({"solver": "boreholle"}, ["solver"]),
-    "a solver with options": ({"solver": {"name": "boreholle"}}, ["solver"]),
+    "a solver with options": ({"solver": {"name": "boreholle"}}, ["solver", "name"]),
     "a design": ({"designs": {"t": {"method": "sobool"}}}, ["designs", "t", "method"]),
     "an augmentation": (
         {"designs": {"t": {"method": "sobol", "augment": [{"method": "foldover"}]}}},
