@@ -24,6 +24,7 @@ from typing import Any
 
 import xarray as xr
 
+from surrogate.cli.meanwhile import loading
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution.progress import Progress
 from surrogate.runs import dataset as rundata
@@ -80,14 +81,15 @@ def do_runs(
     Raises KeyboardInterrupt when stopped; all finished runs are kept.
     """
     try:
-        runs = study.run(
-            workers=workers,
-            results=folder,
-            retry_failed=retry_failed,
-            fresh=fresh,
-            progress=progress,
-            tell=tell,
-        )
+        with loading(progress) as told:
+            runs = study.run(
+                workers=workers,
+                results=folder,
+                retry_failed=retry_failed,
+                fresh=fresh,
+                progress=told,
+                tell=tell,
+            )
         reference = study.validation.reference if study.validation else None
         if reference is not None:
             reference.run(
