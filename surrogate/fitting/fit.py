@@ -124,6 +124,18 @@ class Fit(Carded):
             return mean
         return mean, np.broadcast_to(self._spread(), mean.shape)
 
+    @property
+    def error_law(self) -> Any:
+        """Law of (solver - prediction) / standard deviation at a new point, a scipy law.
+
+        That of `interval`: Student's t with the surrogate's degrees of freedom or the normal
+        law; without a standard deviation of its own, Student's t of the left-out errors.
+        """
+        if self.offers_std:
+            return _law(self.estimator) or stats.t(1)
+        k = len(self._errors)
+        return stats.t(max(k - 1, 1), scale=math.sqrt(1.0 + 1.0 / max(k, 1)))
+
     def _spread(self) -> Array:
         if not len(self._errors):
             return np.full(self.values.shape[1:], np.nan)
@@ -357,9 +369,14 @@ def _offers_std(estimator: Regressor) -> TypeGuard[HasStd]:
     return "return_std" in inspect.signature(estimator.predict).parameters
 
 
-def _quantile(estimator: Regressor, confidence: float) -> float:
+def _law(estimator: Regressor) -> Any:
+    """Law of standardised errors; None without degrees of freedom."""
     freedom = getattr(estimator, "interval_freedom", None)
-    law = stats.norm if freedom is None else stats.t(freedom) if freedom else None
+    return stats.norm() if freedom is None else stats.t(freedom) if freedom else None
+
+
+def _quantile(estimator: Regressor, confidence: float) -> float:
+    law = _law(estimator)
     return float(law.ppf(0.5 + confidence / 2.0)) if law else np.nan
 
 
