@@ -22,6 +22,7 @@ POOR_Q2 = 0.9
 
 if TYPE_CHECKING:
     from surrogate.fitting.failures import FailingRegion
+    from surrogate.solving.solution import Solution
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class Content:
     regression      surrogate -> output -> regression table
     sensitivity     dataset over (output, parameter)
     screening       which parameters to keep
+    solve           goal -> inputs that reach it
     validation      dataset over (model, output, case)
     aliasing        design -> aliasing of a two-level fraction
     failures        the region where runs fail
@@ -53,6 +55,7 @@ class Content:
     regression: Mapping[str, Mapping[str, xr.Dataset]] = field(default_factory=dict)
     sensitivity: xr.Dataset | None = None
     screening: Screening | None = None
+    solve: Mapping[str, Solution] = field(default_factory=dict)
     validation: xr.Dataset | None = None
     aliasing: Mapping[str, Aliasing] = field(default_factory=dict)
     failures: FailingRegion | None = None

@@ -30,6 +30,11 @@ class Target:
     low: float | None = None
     high: float | None = None
 
+    def __str__(self) -> str:
+        if self.low is None or self.high is None:
+            return f"{self.output} = {self.value:.4g}"
+        return f"{self.output} from {self.low:.4g} to {self.high:.4g}"
+
     def ends(self, spanned: float) -> tuple[float, float]:
         """Where the goal ends, for an output that spans so much in the runs."""
         half = CLOSE * spanned
@@ -46,10 +51,8 @@ class Objective:
     output: str
     sign: Literal[1, -1] = 1
 
-    @property
-    def verb(self) -> str:
-        """`minimise` or `maximise`."""
-        return "minimise" if self.sign > 0 else "maximise"
+    def __str__(self) -> str:
+        return f"{self.output} as {'small' if self.sign > 0 else 'large'} as can be"
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,12 @@ class Desire:
     value: float = np.nan
     exponent: float = 1.0
     importance: float = 1.0
+
+    def __str__(self) -> str:
+        if self.aim == "target":
+            return f"{self.output} near {self.value:.4g} ({self.low:.4g} to {self.high:.4g})"
+        word = "large" if self.aim == "maximise" else "small"
+        return f"{self.output} {word} ({self.low:.4g} to {self.high:.4g})"
 
     def of(self, y: Array) -> Array:
         """Desirability of values of the output, same shape."""

@@ -17,10 +17,9 @@ from numpy.typing import NDArray
 from surrogate.solving.goals import Objective, overall
 from surrogate.solving.outlook import Outlook
 from surrogate.solving.problem import Problem
-from surrogate.space.constraints import Constraint
+from surrogate.solving.promise import compared, met
 
 Array = NDArray[np.float64]
-Truth = NDArray[np.bool_]
 
 #: A candidate that is not sure enough is worse than any sure one by so many standard deviations
 #: of an objective.
@@ -63,6 +62,13 @@ class Merit:
         """Where each target ends, by its output."""
         return {one.output: one.ends(self._spanned(one.output)) for one in self.problem.targets}
 
+    @cached_property
+    def _sure(self) -> float:
+        """How sure a candidate must look: half a standard error of the draws more than asked."""
+        asked = self.problem.sure
+        more = 0.5 * np.sqrt(asked * (1.0 - asked) / self.outlook.draws)
+        return float(min(asked + more, 0.5 * (1.0 + asked)))
+
     def _spread(self, output: str) -> float:
         return float(self.outlook.fits[output].values.std()) or 1.0
 
@@ -85,8 +91,7 @@ class Merit:
         }
         means = {name: mean for name, (mean, _) in predicted.items()}
         columns = self._columns(coded)
-        met = self.met(columns, outcomes)
-        probability = met.mean(axis=1)
+        probability = met(self.problem, self.ends, columns, outcomes).mean(axis=1)
         short = self._shortfall(columns, means)
         objectives = {
             one.output: self._objective(one, means[one.output], outcomes[one.output])
@@ -97,18 +102,6 @@ class Merit:
         )
         merit = self._merit(probability, short, objectives, desirability, weights)
         return Judgement(merit, probability, outcomes, objectives, desirability)
-
-    def met(self, columns: Mapping[str, Any], values: Mapping[str, Array]) -> Truth:
-        """Where goals and limits are met, (m, draws), for values of the outputs."""
-        shape = next(iter(values.values())).shape
-        kept = np.ones(shape, dtype=bool)
-        for output, (low, high) in self.ends.items():
-            kept &= (values[output] >= low) & (values[output] <= high)
-        for desire in self.problem.desires:
-            kept &= desire.acceptable(values[desire.output])
-        for limit in self.problem.limits:
-            kept &= limit.holds(_given(limit, self.problem.fixed, columns, values))
-        return kept
 
     def _columns(self, coded: Array) -> dict[str, Any]:
         """Physical inputs that limits name, (m, draws or 1) each."""
@@ -130,7 +123,7 @@ class Merit:
         for desire in self.problem.desires:
             total += desire.shortfall(means[desire.output]).mean(axis=1)
         for limit in self.problem.limits:
-            margin = limit.margin(_given(limit, self.problem.fixed, columns, means))
+            margin = limit.margin(compared(self.problem, limit, columns, means))
             size = np.abs(margin[np.isfinite(margin)]).mean() if np.isfinite(margin).any() else 1.0
             total += np.nan_to_num(np.maximum(0.0, -margin) / (size or 1.0), nan=1e3).mean(axis=1)
         return total
@@ -161,7 +154,7 @@ class Merit:
         else:
             away = weights * (pushed - self.ideal)
             cost = away.max(axis=1) + TIE * away.sum(axis=1)
-        sure = probability >= self.problem.sure
+        sure = probability >= self._sure
         return np.where(sure, -cost, -BEHIND * (2.0 - probability + short / (1.0 + short)))
 
     def pushed(self, objectives: Mapping[str, Array]) -> Array:
@@ -188,16 +181,3 @@ def _joined(parts: list[Judgement]) -> Judgement:
 
 def _by_name(parts: list[Mapping[str, Array]]) -> dict[str, Array]:
     return {name: np.concatenate([one[name] for one in parts]) for name in parts[0]}
-
-
-def _given(
-    limit: Constraint,
-    fixed: Mapping[str, float],
-    columns: Mapping[str, Any],
-    values: Mapping[str, Array],
-) -> dict[str, Any]:
-    """What a limit compares, brought to one shape: inputs are the same for all errors."""
-    given = {**fixed, **columns, **values}
-    found = {name: np.asarray(given[name]) for name in limit.names}
-    shape = np.broadcast_shapes(*(np.shape(one) for one in found.values()))
-    return {name: np.broadcast_to(one, shape) for name, one in found.items()}

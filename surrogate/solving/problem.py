@@ -59,6 +59,12 @@ class Problem:
         """The goals with a desirability."""
         return tuple(one for one in self.goals if isinstance(one, Desire))
 
+    def __str__(self) -> str:
+        """The goal in words."""
+        goals = ", ".join(map(str, self.goals))
+        limits = " and ".join(one.text for one in self.limits)
+        return " such that ".join(part for part in (goals, limits) if part)
+
     def outputs(self, offered: Mapping[str, object]) -> tuple[str, ...]:
         """The outputs that goals and limits name, among those `offered`."""
         named = [one.output for one in self.goals]

@@ -1,36 +1,12 @@
-"""Candidates for a problem: inputs, what is predicted there, and how sure it is.
-
-The probability of a candidate is that with which the solver, run there, meets goal and limits,
-given the error of the surrogates and the law of the uncertain inputs. It is computed from draws
-that took no part in the search.
-"""
+"""What is found for a problem: candidates, and what is told of each."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from surrogate.errors import StudyError
-from surrogate.fitting.extrapolation import extrapolates
-from surrogate.fitting.fit import Fit
-from surrogate.solving.front import front
-from surrogate.solving.merit import Judgement, Merit
-from surrogate.solving.outlook import Outlook
 from surrogate.solving.problem import Problem
-from surrogate.solving.search import POOL, Choice, apart, search
-from surrogate.space.space import Space
-
-Array = NDArray[np.float64]
-
-#: Draws of the search: of the errors alone, and with uncertain inputs; draws of the answer.
-DRAWS, DRAWS_OF_INPUTS, FINAL = 256, 64, 4096
-#: Candidates lie this far apart, in coded values, as a share of the cube's diagonal.
-APART = 0.08
-SEARCH_SEED, ANSWER_SEED = 20, 21
+from surrogate.solving.promise import Verified
 
 
 @dataclass(frozen=True)
@@ -55,6 +31,7 @@ class Candidate:
     promised      output -> value that an objective keeps with the problem's probability
     desirability  of the predicted values, from 0 to 1; None without desires
     extrapolated  True where the runs have not been
+    verified      what the solver says there; None before it was asked
     """
 
     inputs: Mapping[str, float | str]
@@ -63,6 +40,7 @@ class Candidate:
     promised: Mapping[str, float]
     desirability: float | None
     extrapolated: bool
+    verified: Verified | None = None
 
 
 @dataclass(frozen=True)
@@ -84,81 +62,25 @@ class Solution:
         """Whether the best candidate meets goal and limits as surely as was asked."""
         return self.candidates[0].probability >= self.problem.sure
 
-
-def solve(problem: Problem, space: Space, fits: Mapping[str, Fit], *, seed: int = 0) -> Solution:
-    """The candidates, from fits (output -> fit) of the outputs that goals and limits name.
-
-    Raises `StudyError` where no inputs may be chosen or an output is no single number.
-    """
-    for name, fit in fits.items():
-        if fit.values.ndim > 1:
-            raise StudyError(f"output '{name}' is a field; a goal needs a single number")
-    index = {name: j for j, name in enumerate(space.names)}
-    uncertain = tuple(index[name] for name in problem.uncertain)
-    choice = Choice(space, tuple(index[name] for name in problem.free), _held(problem, space))
-    draws = DRAWS_OF_INPUTS if uncertain else DRAWS
-    merit = Merit(problem, Outlook(space, fits, uncertain, draws, SEARCH_SEED + seed))
-    pool = choice.pool(POOL, seed)
-    far = APART * 2.0 * np.sqrt(len(problem.free))
-    if len(problem.objectives) > 1:
-        found = front(merit, choice, pool, seed)
-    else:
-        starts = pool[apart(pool, merit.judge(pool).merit, 3 * problem.candidates, far)]
-        found = search(choice, lambda X, _: merit.judge(X).merit, starts, seed=seed)
-        found = found[
-            apart(found, merit.judge(found).merit, problem.candidates, far, least=far / 4)
-        ]
-    final = Outlook(space, fits, uncertain, FINAL, ANSWER_SEED + seed)
-    answer = Merit(problem, final).judge(found)
-    order = _order(problem, merit.judge(found), answer)
-    return Solution(
-        problem,
-        tuple(_candidate(problem, space, fits, found[k], _row(answer, k)) for k in order),
-        merit.ends,
-        {name: fit.surrogate for name, fit in fits.items()},
-    )
+    def __str__(self) -> str:
+        """What was found, in one sentence."""
+        best, asked = self.candidates[0], f"{100 * self.problem.sure:.3g} %"
+        if len(self.problem.objectives) > 1:
+            return f"{len(self.candidates)} inputs of which none is better in all objectives."
+        at = ", ".join(
+            f"{n} {v:.4g}" if isinstance(v, float | int) else f"{n} {v}"
+            for n, v in best.inputs.items()
+        )
+        if not self.sure:
+            return (
+                f"No inputs meet the goal with {asked}; the best have "
+                f"{chance(best.probability)}: {at}."
+            )
+        return f"Met with {chance(best.probability)} at {at}."
 
 
-def _held(problem: Problem, space: Space) -> Array:
-    """The coded point of the held values; 0 elsewhere."""
-    return np.array(
-        [
-            p.encode(np.array([problem.held[p.name]]))[0] if p.name in problem.held else 0.0
-            for p in space.parameters
-        ]
-    )
-
-
-def _order(problem: Problem, searched: Judgement, answer: Judgement) -> NDArray[np.intp]:
-    """The best first; a front by its first objective."""
-    if len(problem.objectives) > 1:
-        first = problem.objectives[0]
-        return np.argsort(first.sign * answer.objectives[first.output], kind="stable")
-    return np.argsort(-searched.merit, kind="stable")
-
-
-def _row(answer: Judgement, k: int) -> dict[str, Any]:
-    return {
-        "probability": float(answer.probability[k]),
-        "outcomes": {name: values[k] for name, values in answer.outcomes.items()},
-        "objectives": {name: float(values[k]) for name, values in answer.objectives.items()},
-        "desirability": None if answer.desirability is None else float(answer.desirability[k]),
-    }
-
-
-def _candidate(
-    problem: Problem, space: Space, fits: Mapping[str, Fit], coded: Array, row: Mapping[str, Any]
-) -> Candidate:
-    physical = space.decode(coded[None, :])
-    predicted = {
-        name: Predicted(float(values.mean()), *np.quantile(values, (0.025, 0.975)).tolist())
-        for name, values in row["outcomes"].items()
-    }
-    return Candidate(
-        {name: physical[name][0].item() for name in problem.free},
-        predicted,
-        row["probability"],
-        row["objectives"] if problem.probability is not None else {},
-        row["desirability"],
-        any(bool(extrapolates(space, fit.coded, coded[None, :])[0]) for fit in fits.values()),
-    )
+def chance(probability: float) -> str:
+    """A probability in words that claim no more than the draws can tell."""
+    if probability > 0.995:
+        return "more than 99.5 %"
+    return "less than 0.5 %" if probability < 0.005 else f"{100 * probability:.3g} %"

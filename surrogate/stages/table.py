@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from surrogate.runs.netcdf import encoded
-from surrogate.stages import fits, portable, sensitivity
+from surrogate.stages import candidates, fits, portable, sensitivity, solve
 from surrogate.stages.aliasing import aliasing
 from surrogate.stages.comparison import comparison
 from surrogate.stages.failures import failures
@@ -43,6 +43,11 @@ def _dataset(name: str) -> Files:
 def _regression_file(tables: Any) -> Mapping[str, memoryview]:
     found = tree(tables)
     return {} if found is None else {"regression.nc": encoded(found)}
+
+
+def _solve_file(solutions: Any) -> Mapping[str, memoryview]:
+    found = solve.tree(solutions)
+    return {} if found is None else {"solve.nc": encoded(found)}
 
 
 STAGES = (
@@ -134,6 +139,22 @@ STAGES = (
         kept=False,
     ),
     Stage(
+        "candidates",
+        reads=("problems", "space"),
+        needs=("fits", "comparison"),
+        jobs=candidates.jobs,
+        does=candidates.gather,
+    ),
+    Stage(
+        "solve",
+        reads=(),
+        needs=("runs", "candidates"),
+        does=solve.solve,
+        files=Files("solve.nc", _solve_file),
+        figures=solve.figures,
+        kept=False,
+    ),
+    Stage(
         "validation",
         reads=("validation_rule", "space", "offered", "fixed"),
         needs=("fits", "cases"),
@@ -154,6 +175,7 @@ STAGES = (
             "regression",
             "sensitivity",
             "screening",
+            "solve",
             "reduced_study",
             "validation",
             "not_done",

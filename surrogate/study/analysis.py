@@ -83,6 +83,7 @@ def parts_of(study: Study) -> dict[str, Part]:
         ),
         "screening_rule": part(study.screening_rule, "screening"),
         "nominal": part(study.nominal, more=study.nominal),
+        "problems": part(study.problems, "solve", more=[study.nominal, repr(study.constants)]),
         "validation_rule": part(rule, "validation", more=models),
         "fixed": part(fixed, more=repr(fixed)),
     }

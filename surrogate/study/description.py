@@ -18,6 +18,7 @@ from surrogate.runs.assembly import physical_columns
 from surrogate.runs.identity import SolverSpec, run_inputs
 from surrogate.runs.stored import StoredRuns
 from surrogate.solver import Output, broken, constraints_of
+from surrogate.solving.problem import Problem
 from surrogate.space.space import Space
 from surrogate.stages.aliasing import aliases
 from surrogate.stages.fits import Surrogate
@@ -49,6 +50,7 @@ class Description(Carded):
     surrogates: Mapping[str, Surrogate]
     sensitivity_method: SensitivityMethod | None
     screening_rule: ScreeningRule | None
+    problems: Mapping[str, Problem]
     execution: ExecutionPart
     stored_runs: tuple[StoredRuns, ...]
     validation: Validation | None

@@ -25,9 +25,10 @@ from surrogate.study.parts import (
     SurrogatePart,
     ValidationPart,
 )
+from surrogate.study.solve_part import DesirePart, SolvePart, TargetPart
 
 #: Sections whose entries are checked one by one: a broken entry leaves the others standing.
-_SECTIONS = ("parameters", "constants", "designs", "surrogates")
+_SECTIONS = ("parameters", "constants", "designs", "surrogates", "solve")
 _STAND_INS = {"study": "unnamed", "solver": "unnamed", "parameters": {}, "designs": {}}
 #: Keys that a study without data needs.
 _NEEDED = ("solver", "parameters", "designs")
@@ -189,6 +190,8 @@ def _keys_at(path: KeyPath) -> list[str]:
     """Keys that a mapping of the study file at `path` takes."""
     if path[:1] == ("data",) and len(path) > 1:
         return list((DataTestPart if path[1] == "test" else DataOutputPart).model_fields)
+    if path[:1] == ("solve",) and len(path) > 2:
+        return list((TargetPart if path[2] == "target" else DesirePart).model_fields)
     if path[:2] == ("validation", "models") and len(path) > 2:
         return list(SolverPart.model_fields)
     parts: dict[str | int, type[BaseModel]] = {
@@ -200,6 +203,7 @@ def _keys_at(path: KeyPath) -> list[str]:
         "surrogates": SurrogatePart,
         "sensitivity": SensitivityPart,
         "screening": ScreeningPart,
+        "solve": SolvePart,
         "validation": ValidationPart,
         "execution": ExecutionPart,
     }

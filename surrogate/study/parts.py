@@ -10,28 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
+from surrogate.study.part import OpenPart, Part
+from surrogate.study.solve_part import SolvePart
 from surrogate.study.values import Duration, Name, Number, Size, Texts, names_only
-
-
-class Part(BaseModel):
-    """A mapping of a study file that takes only the keys it names."""
-
-    model_config = ConfigDict(
-        extra="forbid", frozen=True, hide_input_in_errors=True, defer_build=True
-    )
-
-
-class OpenPart(Part):
-    """A mapping whose further keys are options of the plug-in that it names."""
-
-    model_config = ConfigDict(extra="allow")
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """The further keys."""
-        return dict(self.__pydantic_extra__ or {})
 
 
 class SolverPart(Part):
@@ -442,6 +425,11 @@ class StudyPart(Part):
         None,
         description="Which parameters may be frozen; the reduced study is written.",
         examples=[{"freeze_below": 0.02}],
+    )
+    solve: dict[Name, SolvePart] = Field(
+        {},
+        description="Goals, each with a name: which inputs reach it, and how surely.",
+        examples=[{"forty": {"target": {"pressure_b1": "40 mmHg"}, "probability": 0.9}}],
     )
     validation: ValidationPart | None = Field(
         None,

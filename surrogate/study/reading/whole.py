@@ -21,6 +21,7 @@ from surrogate.study.reading.parameters import space_of
 from surrogate.study.reading.rows import rows_of, with_dependence
 from surrogate.study.reading.runs import stored_of
 from surrogate.study.reading.solver import outputs_of, solver_of
+from surrogate.study.reading.solving import problems_of
 from surrogate.study.reading.validation import validation_of
 from surrogate.study.source import Source
 from surrogate.tables.recorded import Recorded
@@ -67,6 +68,9 @@ def fields_of(
     fields["screening_rule"] = ScreeningRule(rule.freeze_below, rule.outputs) if rule else None
     fields["stored_runs"] = (*stored_of(notes), *([rows.runs] if rows else []))
     fields["notes"] = (*notes.notes, *(rows.notes if rows else ()))
+    fields["problems"] = (
+        problems_of(notes, solver, space, fields["outputs"], constants) if solver else {}
+    )
     fields["validation"] = (
         validation_of(notes, solver, space, fields["outputs"], fields["constants"], study_at)
         if solver
