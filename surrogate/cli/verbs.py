@@ -236,6 +236,78 @@ def predict(
 
 
 @app.command()
+def solve(
+    study: StudyFile,
+    goal: Annotated[
+        str | None, typer.Argument(metavar="[GOAL]", help="A goal of the study's solve:.")
+    ] = None,
+    target: Annotated[
+        list[str] | None, typer.Option(metavar="OUT=VALUE", help="A value to hit.")
+    ] = None,
+    minimise: Annotated[
+        list[str] | None, typer.Option(metavar="OUT", help="As small as can be.")
+    ] = None,
+    maximise: Annotated[
+        list[str] | None, typer.Option(metavar="OUT", help="As large as can be.")
+    ] = None,
+    subject_to: Annotated[
+        list[str] | None, typer.Option(metavar="'A <= B'", help="What must hold.")
+    ] = None,
+    fix: Annotated[
+        list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter.")
+    ] = None,
+    free: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Choose this one; default: all.")
+    ] = None,
+    uncertain: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Nobody controls this one.")
+    ] = None,
+    probability: Annotated[
+        float | None, typer.Option(min=0.01, max=0.9999, help="How surely; default: 0.9.")
+    ] = None,
+    candidates: Annotated[
+        int | None, typer.Option(min=1, max=50, help="Answers at most; default: 5.")
+    ] = None,
+    surrogate: Annotated[
+        str | None, typer.Option(metavar="S", help="Which surrogate; default: the best.")
+    ] = None,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Run the solver at the candidates.")
+    ] = False,
+    runs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Verifying runs with uncertain inputs; default: 20."),
+    ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+) -> None:
+    """Find inputs that reach a goal, with the probability that the solver agrees.
+
+    The goal is one of the study's, or what the options say. Runs no solver without --verify.
+    """
+    from surrogate.cli import results, solving
+    from surrogate.study.solving import Goals
+
+    loaded = _read(study)
+    words = Goals(
+        tuple(target or ()),
+        tuple(minimise or ()),
+        tuple(maximise or ()),
+        tuple(subject_to or ()),
+        tuple(fix or ()),
+        tuple(free or ()),
+        tuple(uncertain or ()),
+        probability,
+        candidates,
+        surrogate,
+    )
+    folder = results.folder_of(loaded, results_dir)
+    page = solving.solve(loaded, folder, goal, words, check=verify, runs=runs, workers=workers)
+    _show(page, as_json)
+
+
+@app.command()
 def validate(
     study: StudyFile,
     results_dir: Results = None,

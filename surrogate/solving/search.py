@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from surrogate.errors import StudyError
+from surrogate.fitting.extrapolation import extrapolates
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
@@ -33,12 +34,14 @@ OPEN_END = 0.999
 class Choice:
     """The points that may be chosen: free parameters vary, the others are held.
 
-    held  coded point (d,); its free values do not count
+    held    coded point (d,); its free values do not count
+    clouds  training points (n, d) among which the points must lie
     """
 
     space: Space
     free: tuple[int, ...]
     held: Array
+    clouds: tuple[Array, ...] = ()
 
     @cached_property
     def ends(self) -> Array:
@@ -48,10 +51,13 @@ class Choice:
     def allowed(self, coded: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Points (m, d) brought to allowed values, and which of them may be chosen."""
         coded = self.space.snap(np.clip(coded, -self.ends, self.ends))
-        if self.space.region is None:
-            return coded, np.ones(len(coded), dtype=bool)
-        coded, inside = self.space.region.moved(coded, self.free)
-        return coded, inside & self.space.contains(coded)
+        inside = np.ones(len(coded), dtype=bool)
+        if self.space.region is not None:
+            coded, inside = self.space.region.moved(coded, self.free)
+            inside &= self.space.contains(coded)
+        for training in self.clouds:
+            inside &= ~extrapolates(self.space, training, coded)
+        return coded, inside
 
     def pool(self, size: int, seed: int) -> Array:
         """Points that fill what may be chosen, (m, d) with m up to `size`.
@@ -71,8 +77,9 @@ class Choice:
             found = np.concatenate([found, self.space.region.sample(size // 4, rng)])
         if not len(found):
             raise StudyError(
-                "no values of the free inputs keep the constraints of the study at the values "
-                "that are held; hold other values, or free more inputs"
+                "no values of the free inputs keep the constraints of the study, or lie among the "
+                "rows of its table, at the values that are held; hold other values, or free more "
+                "inputs"
             )
         return np.unique(found, axis=0)
 

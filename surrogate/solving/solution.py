@@ -30,7 +30,6 @@ class Candidate:
     probability   that the solver meets goal and limits here
     promised      output -> value that an objective keeps with the problem's probability
     desirability  of the predicted values, from 0 to 1; None without desires
-    extrapolated  True where the runs have not been
     verified      what the solver says there; None before it was asked
     """
 
@@ -39,7 +38,6 @@ class Candidate:
     probability: float
     promised: Mapping[str, float]
     desirability: float | None
-    extrapolated: bool
     verified: Verified | None = None
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.errors import StudyError
-from surrogate.fitting.extrapolation import extrapolates
 from surrogate.fitting.fit import Fit
 from surrogate.solving.front import front
 from surrogate.solving.merit import Judgement, Merit
@@ -33,9 +32,17 @@ APART = 0.08
 SEARCH_SEED, ANSWER_SEED = 20, 21
 
 
-def solve(problem: Problem, space: Space, fits: Mapping[str, Fit], *, seed: int = 0) -> Solution:
+def solve(
+    problem: Problem,
+    space: Space,
+    fits: Mapping[str, Fit],
+    *,
+    cloud: bool = False,
+    seed: int = 0,
+) -> Solution:
     """The candidates, from fits (output -> fit) of the outputs that goals and limits name.
 
+    cloud: the runs are rows of a table, which do not fill the space; candidates lie among them.
     Raises `StudyError` where no inputs may be chosen or an output is no single number.
     """
     for name, fit in fits.items():
@@ -43,7 +50,9 @@ def solve(problem: Problem, space: Space, fits: Mapping[str, Fit], *, seed: int 
             raise StudyError(f"output '{name}' is a field; a goal needs a single number")
     index = {name: j for j, name in enumerate(space.names)}
     uncertain = tuple(index[name] for name in problem.uncertain)
-    choice = Choice(space, tuple(index[name] for name in problem.free), _held(problem, space))
+    free = tuple(index[name] for name in problem.free)
+    clouds = tuple(fit.coded for fit in fits.values()) if cloud else ()
+    choice = Choice(space, free, _held(problem, space), clouds)
     draws = DRAWS_OF_INPUTS if uncertain else DRAWS
     merit = Merit(problem, Outlook(space, fits, uncertain, draws, SEARCH_SEED + seed))
     pool = choice.pool(POOL, seed)
@@ -108,5 +117,4 @@ def _candidate(
         row["probability"],
         row["objectives"] if problem.probability is not None else {},
         row["desirability"],
-        any(bool(extrapolates(space, fit.coded, coded[None, :])[0]) for fit in fits.values()),
     )

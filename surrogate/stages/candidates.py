@@ -17,20 +17,29 @@ from surrogate.stages.stage import Job, Result
 
 
 def jobs(
-    problems: Mapping[str, Problem], space: Space, fits: Fits, comparison: xr.Dataset | None
+    problems: Mapping[str, Problem],
+    space: Space,
+    recorded: bool,
+    fits: Fits,
+    comparison: xr.Dataset | None,
 ) -> list[Job]:
-    """A search for each goal."""
+    """A search for each goal; recorded: the runs are rows of a table."""
     return [
         Job(
             f"solve {problem.name}",
             candidates,
-            {"problem": problem, "space": space, "fits": _fits(problem, fits, comparison)},
+            {
+                "problem": problem,
+                "space": space,
+                "recorded": recorded,
+                "fits": fits_for(problem, fits, comparison),
+            },
         )
         for problem in problems.values()
     ]
 
 
-def candidates(problem: Problem, space: Space, fits: Mapping[str, Fit]) -> Solution:
+def candidates(problem: Problem, space: Space, recorded: bool, fits: Mapping[str, Fit]) -> Solution:
     """The solution of one problem; raises `StudyError` where an output could not be fitted."""
     named = [one.output for one in problem.goals]
     named += [name for limit in problem.limits for name in limit.names]
@@ -43,10 +52,10 @@ def candidates(problem: Problem, space: Space, fits: Mapping[str, Fit]) -> Solut
         raise StudyError(f"solve {problem.name}: no surrogate of {', '.join(lacking)}")
     from surrogate.solving.solve import solve  # scipy.stats: not for studies without goals
 
-    return solve(problem, space, fits)
+    return solve(problem, space, fits, cloud=recorded)
 
 
-def _fits(problem: Problem, fits: Fits, comparison: xr.Dataset | None) -> dict[str, Fit]:
+def fits_for(problem: Problem, fits: Fits, comparison: xr.Dataset | None) -> dict[str, Fit]:
     """The fit of each output that the problem names, as far as there is one."""
     best = comparing.best(comparison) if comparison is not None else {}
     offered = dict.fromkeys(output for by_output in fits.values() for output in by_output)

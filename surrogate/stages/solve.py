@@ -19,9 +19,13 @@ Solutions = Mapping[str, Solution]
 SAME = 1e-7
 
 
+#: Designs of verifying runs are named so.
+PREFIX = "verified_"
+
+
 def design_of(problem: str) -> str:
     """Name of the design that holds the verifying runs of a problem."""
-    return f"verified_{problem}"
+    return PREFIX + problem
 
 
 def solve(runs: xr.Dataset, candidates: Solutions) -> dict[str, Solution]:
@@ -99,7 +103,6 @@ def _candidate(one: Candidate) -> dict[str, Any]:
         "inputs": dict(one.inputs),
         "predicted": {name: vars(at) for name, at in one.predicted.items()},
         "probability": one.probability,
-        "extrapolated": one.extrapolated,
     }
     if one.promised:
         found["promised"] = dict(one.promised)
@@ -136,5 +139,4 @@ def dataset(solution: Solution) -> xr.Dataset:
         columns[f"{name}_low"] = ("candidate", [one.predicted[name].low for one in rows])
         columns[f"{name}_high"] = ("candidate", [one.predicted[name].high for one in rows])
     columns["probability"] = ("candidate", [one.probability for one in rows])
-    columns["extrapolated"] = ("candidate", [int(one.extrapolated) for one in rows])
     return xr.Dataset(columns, {"candidate": np.arange(len(rows))}, {"goal": str(solution.problem)})

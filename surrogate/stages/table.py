@@ -140,7 +140,7 @@ STAGES = (
     ),
     Stage(
         "candidates",
-        reads=("problems", "space"),
+        reads=("problems", "space", "recorded"),
         needs=("fits", "comparison"),
         jobs=candidates.jobs,
         does=candidates.gather,

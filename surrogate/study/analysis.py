@@ -78,12 +78,13 @@ def parts_of(study: Study) -> dict[str, Part]:
         "offered": part(study.offered, more=described),
         "surrogates": part(study.surrogates, "surrogates"),
         "deterministic": part(study.spec.deterministic, more=study.spec.deterministic),
+        "recorded": part(study.spec.recorded, more=study.spec.recorded),
         "sensitivity_method": part(
             method, "sensitivity", more=of_object(method.function) if method else ""
         ),
         "screening_rule": part(study.screening_rule, "screening"),
         "nominal": part(study.nominal, more=study.nominal),
-        "problems": part(study.problems, "solve", more=[study.nominal, repr(study.constants)]),
+        "problems": part(study.problems, more=repr(study.problems)),
         "validation_rule": part(rule, "validation", more=models),
         "fixed": part(fixed, more=repr(fixed)),
     }

@@ -79,7 +79,7 @@ def fits_at_hand(
 
     surrogate: its name; None for the best of each output. Raises as `predict` does.
     """
-    stored, unfound = _stored(study, results, surrogate)
+    stored, unfound = usable(study, results, surrogate)
     asked = study if surrogate is None else study.with_surrogates([surrogate])
     stages = walk(asked, results, stored, progress=steps)
     fits = stages.value("fits")
@@ -90,7 +90,7 @@ def fits_at_hand(
     lost = stages.result("fits").not_done if len(found) < len(study.outputs) else ()
     if not found:
         raise FitError("\n".join(lost))
-    return found, [*_note(stored, unfound), *lost]
+    return found, [*told(stored, unfound), *lost]
 
 
 def _row(
@@ -130,7 +130,7 @@ def _with_interval(fit: Fit, coded: Numbers) -> tuple[Numbers, Numbers, Numbers]
     return fit.predict(coded), *fit.interval(coded)
 
 
-def _stored(study: Study, results: Path, surrogate: str | None) -> tuple[xr.Dataset, int]:
+def usable(study: Study, results: Path, surrogate: str | None) -> tuple[xr.Dataset, int]:
     """The runs there are, when the study can predict from them with that surrogate.
 
     And how many runs more are asked for by designs whose points are not found yet.
@@ -149,7 +149,8 @@ def _stored(study: Study, results: Path, surrogate: str | None) -> tuple[xr.Data
     return stored, unfound
 
 
-def _note(stored: xr.Dataset, unfound: int) -> list[str]:
+def told(stored: xr.Dataset, unfound: int) -> list[str]:
+    """What to know of predictions while runs are missing."""
     missing = int((stored["status"] == "missing").sum()) + unfound
     return (
         [f"{missing} runs of the study are not done yet; the surrogates lack them."]

@@ -33,6 +33,7 @@ from surrogate.study import reading
 from surrogate.study.asked_runs import AskedRuns
 from surrogate.study.reading import fields_of
 from surrogate.study.source import Source, read_file, read_text
+from surrogate.study.verified_points import kept
 from surrogate.validation.cases import Cases, from_runs
 from surrogate.validation.validation import fixed_inputs
 
@@ -79,7 +80,7 @@ class Study(Description):
                 self.space,
                 self.constants,
                 self.outputs,
-                self.designs,
+                {**kept(folder, self.space), **self.designs},
                 self.stored_runs,
                 self.text,
                 self.notes,

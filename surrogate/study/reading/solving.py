@@ -19,6 +19,20 @@ from surrogate.study.solve_part import DesirePart, SolvePart, TargetPart
 Values = Mapping[str, float | str]
 
 
+def problem_of(
+    reading: Reading,
+    name: str,
+    part: SolvePart,
+    solver: Solver,
+    space: Space,
+    outputs: Iterable[str],
+    constants: Values,
+) -> Problem:
+    """The problem that one part states; mistakes are noted in `reading`."""
+    offered = {name: solver.outputs[name] for name in outputs if name in solver.outputs}
+    return _Problem(reading, name, part, solver, space, offered, constants).read()
+
+
 def problems_of(
     reading: Reading,
     solver: Solver,
@@ -27,11 +41,11 @@ def problems_of(
     constants: Values,
 ) -> dict[str, Problem]:
     """Every problem of the study; outputs: those that the study keeps."""
+    outputs = tuple(outputs)
     if space is None:
         return {}
-    offered = {name: solver.outputs[name] for name in outputs if name in solver.outputs}
     return {
-        name: _Problem(reading, name, part, solver, space, offered, constants).read()
+        name: problem_of(reading, name, part, solver, space, outputs, constants)
         for name, part in reading.part.solve.items()
     }
 
