@@ -26,6 +26,7 @@ from surrogate.report.sections import (
     provenance,
     runs,
     screening,
+    solve,
     summary,
     validation,
 )
@@ -94,6 +95,8 @@ def _sections(content: Content) -> Iterator[Section]:
     if content.validation is not None:
         yield validation.section(content.validation)
     yield screening.section(content)
+    if content.solve:
+        yield solve.section(content)
     yield parameters.section(content)
     yield designs.section(content)
     yield runs.section(content)

@@ -66,7 +66,8 @@ class Merit:
     def _sure(self) -> float:
         """How sure a candidate must look: half a standard error of the draws more than asked."""
         asked = self.problem.sure
-        more = 0.5 * np.sqrt(asked * (1.0 - asked) / self.outlook.draws)
+        drawn = self.outlook.inputs if self.outlook.inputs > 1 else self.outlook.errors
+        more = 0.5 * np.sqrt(asked * (1.0 - asked) / drawn)
         return float(min(asked + more, 0.5 * (1.0 + asked)))
 
     def _spread(self, output: str) -> float:
@@ -85,13 +86,11 @@ class Merit:
         return _joined(parts)
 
     def _judge(self, coded: Array, weights: Array | None) -> Judgement:
-        predicted = self.outlook.predicted(coded)
-        outcomes = {
-            name: mean + std * self.outlook.errors[name] for name, (mean, std) in predicted.items()
-        }
-        means = {name: mean for name, (mean, _) in predicted.items()}
+        means = self.outlook.means(coded)
+        outcomes = self.outlook.outcomes(coded, means)
         columns = self._columns(coded)
-        probability = met(self.problem, self.ends, columns, outcomes).mean(axis=1)
+        every = {name: self.outlook.for_errors(column) for name, column in columns.items()}
+        probability = met(self.problem, self.ends, every, outcomes).mean(axis=1)
         short = self._shortfall(columns, means)
         objectives = {
             one.output: self._objective(one, means[one.output], outcomes[one.output])

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 Judge = Callable[[Array, NDArray[np.intp]], Array]
 
 #: Size of the pool; rounds; neighbours of a point in a round; first and last size of a step.
-POOL, ROUNDS, NEIGHBOURS, FIRST, LAST = 2048, 28, 24, 0.4, 2e-4
+POOL, ROUNDS, NEIGHBOURS, FIRST, LAST = 1024, 28, 20, 0.4, 2e-4
 #: Coded values of a law without ends stop here: all but a thousandth of it.
 OPEN_END = 0.999
 

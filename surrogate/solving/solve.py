@@ -25,8 +25,8 @@ from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
 
-#: Draws of the search: of the errors alone, and with uncertain inputs; draws of the answer.
-DRAWS, DRAWS_OF_INPUTS, FINAL = 1024, 128, 4096
+#: Draws (of uncertain inputs, of errors for each) in the search and for the answer.
+SEARCH, SEARCH_ALONE, ANSWER, ANSWER_ALONE = (64, 16), (1, 1024), (1024, 4), (1, 4096)
 #: Candidates lie this far apart, in coded values, as a share of the cube's diagonal.
 APART = 0.08
 SEARCH_SEED, ANSWER_SEED = 20, 21
@@ -53,19 +53,20 @@ def solve(
     free = tuple(index[name] for name in problem.free)
     clouds = tuple(fit.coded for fit in fits.values()) if cloud else ()
     choice = Choice(space, free, _held(problem, space), clouds)
-    draws = DRAWS_OF_INPUTS if uncertain else DRAWS
-    merit = Merit(problem, Outlook(space, fits, uncertain, draws, SEARCH_SEED + seed))
+    drawn = SEARCH if uncertain else SEARCH_ALONE
+    merit = Merit(problem, Outlook(space, fits, uncertain, *drawn, SEARCH_SEED + seed, exact=False))
     pool = choice.pool(POOL, seed)
     far = APART * 2.0 * np.sqrt(len(problem.free))
     if len(problem.objectives) > 1:
         found = front(merit, choice, pool, seed)
     else:
-        starts = pool[apart(pool, merit.judge(pool).merit, 3 * problem.candidates, far)]
+        starts = pool[apart(pool, merit.judge(pool).merit, 2 * problem.candidates, far)]
         found = search(choice, lambda X, _: merit.judge(X).merit, starts, seed=seed)
         found = found[
             apart(found, merit.judge(found).merit, problem.candidates, far, least=far / 4)
         ]
-    final = Outlook(space, fits, uncertain, FINAL, ANSWER_SEED + seed)
+    drawn = ANSWER if uncertain else ANSWER_ALONE
+    final = Outlook(space, fits, uncertain, *drawn, ANSWER_SEED + seed)
     answer = Merit(problem, final).judge(found)
     order = _order(problem, merit.judge(found), answer)
     return Solution(

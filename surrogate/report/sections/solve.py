@@ -1,0 +1,125 @@
+"""The goals: which inputs reach them, how surely, and whether the solver agreed."""
+
+from __future__ import annotations
+
+from surrogate.report import digits
+from surrogate.report.blocks import Block, Cell, Head, Heading, Section, Table, Text, anchor
+from surrogate.report.content import Content
+from surrogate.solving.problem import Problem
+from surrogate.solving.promise import Verified
+from surrogate.solving.solution import Candidate, Solution, chance
+
+
+def section(content: Content) -> Section:
+    """A heading, a sentence and a table a goal."""
+    blocks: list[Block] = []
+    for name, solution in content.solve.items():
+        blocks.append(Heading(name, anchor("goal", name)))
+        blocks += _goal(content, solution)
+    return Section("solve", "Inputs that reach the goals", tuple(blocks))
+
+
+def _goal(content: Content, solution: Solution) -> list[Block]:
+    front = len(solution.problem.objectives) > 1
+    tone = "lead" if solution.sure or front else "warning"
+    found: list[Block] = [Text(goal(solution), "plain"), Text(str(solution), tone)]
+    found += [Text(words, "note") for words in _setting(content, solution.problem)]
+    kept = promise(solution)
+    if kept:
+        found.append(Text(kept, "plain"))
+    return [*found, _table(content, solution)]
+
+
+def goal(solution: Solution) -> str:
+    """What was wanted, with the ends of targets that the study left open."""
+    words = str(solution.problem)
+    open_ends = [
+        f"{output} counts as hit from {digits.number(low)} to {digits.number(high)}"
+        for output, (low, high) in solution.ends.items()
+        if any(one.output == output and one.low is None for one in solution.problem.targets)
+    ]
+    return f"Goal: {'; '.join([words, *open_ends])}."
+
+
+def _setting(content: Content, problem: Problem) -> list[str]:
+    found = []
+    if problem.held:
+        held = [f"{name} {_value(content, name, value)}" for name, value in problem.held.items()]
+        found.append(f"Held: {digits.listing(held)}.")
+    if problem.uncertain:
+        found.append(
+            f"Nobody controls {digits.listing(problem.uncertain)}: the probability is that over "
+            "their distributions, and over the error of the surrogate."
+        )
+    return found
+
+
+def promise(solution: Solution) -> str:
+    """How the solver's own runs agree with the probabilities; nothing without such runs."""
+    checked = [one for one in solution.candidates if one.verified is not None]
+    runs = [
+        (one.probability, one.verified) for one in checked if one.verified and one.verified.runs
+    ]
+    if not runs:
+        return "The verifying runs have failed." if checked else ""
+    count = sum(found.runs for _, found in runs)
+    met = sum(found.met for _, found in runs)
+    expected = sum(p * found.runs for p, found in runs)
+    return (
+        f"The solver was run at {digits.quantity(count, 'point')}: {met} met the goal; the "
+        f"probabilities promise {digits.number(expected, 3)}."
+    )
+
+
+def _table(content: Content, solution: Solution) -> Table:
+    rows = solution.candidates
+    inputs, outputs = list(rows[0].inputs), list(rows[0].predicted)
+    checked = any(one.verified is not None for one in rows)
+    heads = [Head("candidate", numeric=False)]
+    heads += [Head(digits.labelled(name, content.unit(name))) for name in inputs]
+    heads += [
+        Head(f"{digits.labelled(name, content.unit(name))}, expected (95 % interval)")
+        for name in outputs
+    ]
+    heads += [Head("desirability")] * (rows[0].desirability is not None)
+    heads += [Head("probability")] + [Head("the solver says")] * checked
+    return Table(
+        "Candidates, the best first. Probability: that the solver meets goal and limits there, "
+        "given the error of the surrogate"
+        + (" and the uncertain inputs." if solution.problem.uncertain else "."),
+        tuple(heads),
+        tuple(_row(content, k, one, checked) for k, one in enumerate(rows)),
+        wide=True,
+    )
+
+
+def _row(content: Content, k: int, one: Candidate, checked: bool) -> tuple[Cell, ...]:
+    cells = [Cell(str(k + 1))]
+    cells += [Cell(_value(content, name, value, False)) for name, value in one.inputs.items()]
+    cells += [
+        Cell(digits.with_interval(at.value, at.low, at.high), at.value)
+        for at in one.predicted.values()
+    ]
+    if one.desirability is not None:
+        cells.append(Cell(digits.fixed(one.desirability, 3)))
+    cells.append(Cell(chance(one.probability), one.probability, "strong"))
+    return (*cells, *[Cell(_checked(one.verified))] * checked)
+
+
+def _value(content: Content, name: str, value: float | str, unit: bool = True) -> str:
+    if isinstance(value, str):
+        return value
+    words = digits.number(value, 4)
+    return digits.with_unit(words, content.unit(name)) if unit else words
+
+
+def _checked(found: Verified | None) -> str:
+    if found is None:
+        return digits.NOTHING
+    if not found.runs:
+        return "failed"
+    if found.runs == 1:
+        values = digits.listing([digits.number(values[0], 4) for values in found.values.values()])
+        return f"{values}: {'met' if found.met else 'not met'}"
+    _, low, high = found.share
+    return f"{found.met} of {found.runs} met ({digits.percent(low)} to {digits.percent(high)})"
