@@ -16,6 +16,7 @@ from surrogate.space.space import Space
 from surrogate.stages.fits import Surrogate
 from surrogate.stages.plugin import call, parameters_of
 from surrogate.stages.sensitivity import SensitivityMethod
+from surrogate.stages.solve import design_of
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
@@ -76,6 +77,7 @@ def _check_training(reading: Reading, surrogate: Surrogate, designs: Mapping[str
             name not in designs
             and not reading.is_broken("designs", name)
             and name not in reading.part.designs
+            and name not in map(design_of, reading.part.solve)
             and not (reading.part.data is not None and name in ("train", DATA))
         ):
             reading.wrong(
