@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from rich.table import Table
-
-from surrogate.cli.page import Page, table
+from surrogate.cli.page import Page
 from surrogate.cli.progress import RunsBar
+from surrogate.cli.table import Table
 from surrogate.solving.solution import Candidate, Solution, chance
 from surrogate.stages.solve import figures_of
 from surrogate.study import solving
@@ -28,11 +27,12 @@ def solve(
     check: bool,
     runs: int | None,
     workers: int | None,
+    quiet: bool,
 ) -> Page:
     """The candidates for the study's goal of that name, or for what the command states."""
     problem = solving.stated(study, name, goals)
     if check:
-        with RunsBar(study.name) as bar:
+        with RunsBar(study.name, hidden=quiet) as bar:
             how: dict[str, Any] = {"runs": runs, "workers": workers, "progress": bar}
             answer = solving.solve(study, results, problem, check=True, **how)
     else:
@@ -43,10 +43,10 @@ def solve(
     return Page(figures_of(found), [*filter(None, [answer.note]), *lines(found, units)])
 
 
-def lines(solution: Solution, units: Mapping[str, str]) -> list[Any]:
+def lines(solution: Solution, units: Mapping[str, str]) -> list[str | Table]:
     """The goal, a table of the candidates, how the promises held, and the sentence."""
     problem = solution.problem
-    parts: list[Any] = [f"{problem.name}: {problem}"]
+    parts: list[str | Table] = [f"{problem.name}: {problem}"]
     if problem.held:
         held = ", ".join(f"{n} = {_number(v)} {units[n]}".rstrip() for n, v in problem.held.items())
         parts.append(f"held: {held}")
@@ -74,7 +74,7 @@ def _table(solution: Solution, units: Mapping[str, str]) -> Table:
             )
             for k, one in enumerate(rows)
         ]
-        return table("", heads, lines)
+        return Table("", heads, lines)
     found = [
         (f"{n} ({units[n] or '-'})", *(_number(one.inputs[n]) for one in rows))
         for n in rows[0].inputs
@@ -89,7 +89,7 @@ def _table(solution: Solution, units: Mapping[str, str]) -> Table:
     found.append(("probability", *(chance(one.probability) for one in rows)))
     if checked:
         found.append(("the solver says", *(_checked(one) for one in rows)))
-    return table("", ["candidate", *(str(k + 1) for k in range(len(rows)))], found)
+    return Table("", ["candidate", *(str(k + 1) for k in range(len(rows)))], found)
 
 
 def _number(value: float | str) -> str:

@@ -268,9 +268,7 @@ def solve(
     candidates: Annotated[
         int | None, typer.Option(min=1, max=50, help="Answers at most; default: 5.")
     ] = None,
-    surrogate: Annotated[
-        str | None, typer.Option(metavar="S", help="Which surrogate; default: the best.")
-    ] = None,
+    surrogate: Surrogate = None,
     verify: Annotated[
         bool, typer.Option("--verify", help="Run the solver at the candidates.")
     ] = False,
@@ -281,6 +279,7 @@ def solve(
     workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
     results_dir: Results = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Find inputs that reach a goal, with the probability that the solver agrees.
 
@@ -303,7 +302,8 @@ def solve(
         surrogate,
     )
     folder = results.folder_of(loaded, results_dir)
-    page = solving.solve(loaded, folder, goal, words, check=verify, runs=runs, workers=workers)
+    how = {"check": verify, "quiet": quiet}
+    page = solving.solve(loaded, folder, goal, words, runs=runs, workers=workers, **how)
     _show(page, as_json)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from surrogate.solving.goals import Desire, Goal, Objective, Target
-from surrogate.space.constraints import Constraint
+from surrogate.space.constraints import Relation
 
 #: How surely limits are to be kept unless the study says otherwise.
 SURE = 0.9
@@ -30,7 +30,7 @@ class Problem:
 
     name: str
     goals: tuple[Goal, ...]
-    limits: tuple[Constraint, ...] = ()
+    limits: tuple[Relation, ...] = ()
     free: tuple[str, ...] = ()
     uncertain: tuple[str, ...] = ()
     held: Mapping[str, float | str] = field(default_factory=dict)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.solving.problem import Problem
-from surrogate.space.constraints import Constraint
+from surrogate.space.constraints import Relation
 
 Array = NDArray[np.float64]
 Truth = NDArray[np.bool_]
@@ -39,7 +39,7 @@ def met(
 
 def compared(
     problem: Problem,
-    limit: Constraint,
+    limit: Relation,
     columns: Mapping[str, Any],
     values: Mapping[str, Array],
 ) -> dict[str, Array]:

@@ -102,6 +102,13 @@ class Relation:
         """
         return np.asarray(reduce(np.logical_and, (_holds(*one) for one in self._pairs(physical))))
 
+    def margin(self, physical: Mapping[str, Any]) -> Array:
+        """How far an inequality is from being broken, in base units; negative where it is.
+
+        The shape is that of the columns; of several comparisons the one nearest to breaking.
+        """
+        return np.asarray(reduce(np.minimum, (_margin(*one) for one in self._pairs(physical))))
+
     def difference(self, physical: Mapping[str, Any]) -> Array:
         """Left less right side, shape (run,), in base units; of an equality zero."""
         _, left, right = self._pairs(physical)[0]
@@ -145,6 +152,10 @@ def _holds(op: ast.cmpop, left: Array, right: Array) -> NDArray[np.bool_]:
         return np.asarray(np.abs(left - right) <= EQUAL * size)
     small, large = (left, right) if isinstance(op, ast.Lt | ast.LtE) else (right, left)
     return np.asarray(small < large if isinstance(op, ast.Lt | ast.Gt) else small <= large)
+
+
+def _margin(op: ast.cmpop, left: Array, right: Array) -> Array:
+    return right - left if isinstance(op, ast.Lt | ast.LtE) else left - right
 
 
 def _value(node: ast.expr, values: Mapping[str, Any]) -> Any:

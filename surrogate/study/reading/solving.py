@@ -10,7 +10,7 @@ from surrogate.solver import Output, Solver
 from surrogate.solving.goals import Desire, Goal, Objective, Target
 from surrogate.solving.problem import Problem
 from surrogate.space import units
-from surrogate.space.constraints import Constraint, parse
+from surrogate.space.constraints import Relation, parse
 from surrogate.space.space import Parameter, Space
 from surrogate.stages.screening import nominal_values
 from surrogate.study.reading.mistakes import Reading
@@ -174,7 +174,7 @@ class _Problem:
             and not self.solver.inputs[name].levels
         }
 
-    def _limits(self) -> tuple[Constraint, ...]:
+    def _limits(self) -> tuple[Relation, ...]:
         numeric = {p.name: p.unit for p in self.space.parameters if not p.categorical}
         numeric |= {name: self.solver.inputs[name].unit for name in self._fixed}
         numeric |= {name: one.unit for name, one in self.offered.items() if not one.dims}
