@@ -14,6 +14,12 @@ _SHORT_FORMS = {
     "ConstantPart": {"type": ["number", "string"]},
     "ValidationPart": {"type": "string"},
     "DataPart": {"type": "string"},
+    "TargetPart": {
+        "type": ["number", "string", "array"],
+        "items": {"type": ["number", "string"]},
+        "minItems": 2,
+        "maxItems": 2,
+    },
 }
 
 
