@@ -29,8 +29,8 @@ def leg_mesh(
     low: float = 0.0,
     high: float | None = None,
     foot: bool = False,
-    levels: int = 160,
-    around: int = 120,
+    levels: int = 120,
+    around: int = 90,
 ):
     """The skin from low to high, mm; below z = 0 it may widen to a foot, above L to a thigh.
 

@@ -76,8 +76,8 @@ def folder(tmp_path):
     for leg in range(6):
         mesh = virtual.leg_mesh(
             Leg.from_sections(cohort.length[leg], cohort.coefficients[leg], cohort.centre[leg]),
-            levels=100,
-            around=90,
+            levels=70,
+            around=60,
         )
         virtual.save(where / f"leg{leg}.ply", *mesh)
     (where / "broken.stl").write_bytes(b"")

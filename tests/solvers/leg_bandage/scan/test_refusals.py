@@ -118,14 +118,14 @@ def test_no_mesh(tmp_path, name, content, sentence):
 
 def test_points_only(tmp_path):
     trimesh.PointCloud(SKIN[0]).export(tmp_path / "leg.ply")
-    with pytest.raises(ScanError, match="19200 points and no triangles; make a surface"):
+    with pytest.raises(ScanError, match="10800 points and no triangles; make a surface"):
         fit_scan(tmp_path / "leg.ply")
 
 
 @pytest.mark.parametrize(
     "options, sentence",
     [
-        ({"unit": "m"}, "2.193e.05 mm in the unit m.*give --unit mm"),
+        ({"unit": "m"}, "2.192e.05 mm in the unit m.*give --unit mm"),
         ({"unit": "furlong"}, "unit 'furlong' is unknown.*Allowed: cm, inch, m, mm"),
         ({"side": "lft"}, "did you mean 'left'"),
         ({"up": "-z"}, "given as up is 1[78]. degrees from"),
