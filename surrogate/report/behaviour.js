@@ -112,7 +112,7 @@
   }
   choices.forEach((input) => {
     input.addEventListener("change", () => choose(input));
-    input.closest("tr").addEventListener("click", () => choose(input));
+    input.closest("tr").addEventListener("click", () => { choose(input); input.focus(); });
   });
   const first = choices.find((input) => input.checked);
   if (first) choose(first);
@@ -244,7 +244,9 @@
   // each of which begins with the first column.
   const PAGE = { wide: 1500, narrow: 840 }; // px on the screen that fit a page in its smaller type
   function parts(table, room) {
+    table.style.width = "min-content";
     const widths = [...table.tHead.rows[0].cells].map((head) => head.offsetWidth);
+    table.style.width = "";
     const groups = [[]];
     let used = widths[0];
     widths.slice(1).forEach((width, k) => {

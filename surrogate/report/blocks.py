@@ -120,11 +120,13 @@ class Verdict:
     matters    the leading inputs in words
     shares     sizes of the inputs' indices in the order of the study, largest 1
     sentence   the answer, without the name of the output, which stands before it
+    meaning    what the output is
     """
 
     output: str
     anchor: str
     sentence: str
+    meaning: str = ""
     surrogate: str = ""
     q2: str = ""
     error: str = ""

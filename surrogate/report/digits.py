@@ -16,7 +16,7 @@ NOTHING = "\N{EN DASH}"
 FIGURE_SPACE, POINT_SPACE = "\N{FIGURE SPACE}", "\N{PUNCTUATION SPACE}"
 #: What is printed: a number, or None where there is none.
 Number = float | np.floating | None
-_PLAIN = re.compile(rf"{MINUS}?[\d{THIN}]+(\.\d+)?")
+_NUMBER = re.compile(rf"({MINUS}?\d(?:[\d{THIN}]*\d)?(?:\.\d+)?)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -73,22 +73,38 @@ def column(values: ArrayLike, digits: int = 3) -> list[str]:
 
 
 def aligned(words: Sequence[str]) -> list[str]:
-    """A column of numbers padded at the right, so that the points stand below each other.
+    """A column whose decimal points stand below each other when it is set flush right.
 
-    The padding has the width of the digits and of the point that are missing. Columns with
-    anything but plain numbers are left as they are.
+    Words of the same pattern, such as `0.71 (0.69 to 0.73)` or `11.5 ± 0.12`, are padded number
+    by number with spaces as wide as the digits and the point that are missing. A column of
+    several patterns is left as it is.
     """
-    if not all(_PLAIN.fullmatch(word) or word in ("", NOTHING) for word in words):
+    known = [k for k, word in enumerate(words) if word not in ("", NOTHING)]
+    split = {k: _NUMBER.split(words[k]) for k in known}
+    if len({tuple(parts[::2]) for parts in split.values()}) != 1:
         return list(words)
-    most = max((len(word.partition(".")[2]) for word in words), default=0)
-    return [
-        word
-        if "." in word and len(word.partition(".")[2]) == most
-        else word
-        + (POINT_SPACE if most and "." not in word else "")
-        + FIGURE_SPACE * (most - len(word.partition(".")[2]))
-        for word in words
-    ]
+    result = list(words)
+    columns = [_padded(column) for column in zip(*(split[k][1::2] for k in known), strict=True)]
+    for row, k in enumerate(known):
+        numbers = [column[row] for column in columns]
+        numbers[:1] = [numbers[0].lstrip(FIGURE_SPACE)] if numbers else []
+        between = split[k][::2]
+        result[k] = between[0] + "".join(map("".join, zip(numbers, between[1:], strict=True)))
+    return result
+
+
+def _padded(numbers: Sequence[str]) -> list[str]:
+    """Numbers of one width, with their points in one place."""
+    whole = max(len(number.partition(".")[0]) for number in numbers)
+    decimals = max(len(number.partition(".")[2]) for number in numbers)
+    padded = []
+    for number in numbers:
+        before, point, behind = number.partition(".")
+        missing = (POINT_SPACE if decimals and not point else "") + FIGURE_SPACE * (
+            decimals - len(behind)
+        )
+        padded.append(FIGURE_SPACE * (whole - len(before)) + number + missing)
+    return padded
 
 
 def with_half(value: Number, half: Number) -> str:

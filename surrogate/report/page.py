@@ -123,5 +123,10 @@ def _part(environment: Environment, name: str) -> Markup:
 
 
 def _parted(words: str) -> Markup:
-    """A name that may be broken behind its underscores where there is no room for it."""
-    return Markup("_<wbr>").join(words.split("_"))
+    """Words that may be broken behind underscores where there is no room, but not at hyphens."""
+    return Markup(" ").join(
+        Markup('<span class="one">{}</span>').format(word)
+        if "-" in word
+        else Markup("_<wbr>").join(word.split("_"))
+        for word in words.split(" ")
+    )

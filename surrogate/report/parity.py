@@ -16,7 +16,7 @@ class Parity:
 
     run (n,) numbers, observed (n,), predicted (n,), half (n,) of the 95 % interval
     or NaN, learnt (n,) whether the fit has seen the run, honest: True when learnt
-    runs are predicted by fits without them.
+    runs are predicted by fits without them. truth: how the values were come by.
     """
 
     run: np.ndarray
@@ -25,6 +25,7 @@ class Parity:
     half: np.ndarray
     learnt: np.ndarray
     honest: bool
+    truth: str = "simulated"
 
     @property
     def residual(self) -> np.ndarray:
@@ -40,6 +41,7 @@ class Parity:
             self.half[which],
             self.learnt[which],
             self.honest,
+            self.truth,
         )
 
 
@@ -69,6 +71,7 @@ def parity(content: Content, fit: Fit, output: str) -> Parity:
         bars,
         learnt,
         bool(known[learnt].all()),
+        "observed" if content.recorded else "simulated",
     )
 
 

@@ -12,7 +12,8 @@ from surrogate.report.drawing import WIDTH, Scale, group, label_room, line, mark
 from surrogate.report.figures.rows import TOP, Rows, whisker
 from surrogate.report.plot import Plot, column, plot
 
-ROW = 25.0
+#: Height of a row, and of the scale and the room above the rows.
+ROW, HIGHEST_ROW, OUTSIDE = 25.0, 60.0, 54.0
 #: Powers of ten of the scale's lower end: never more than the first, at least the second.
 LOWEST, HIGHEST_START = -4, -2
 #: Room of the decision at the right.
@@ -27,6 +28,7 @@ def freezing_plot(
     title: str,
     *,
     trusted: bool = True,
+    height: float = 0.0,
 ) -> Plot:
     """A row a parameter: its index on a scale of powers of ten, the interval, the decision.
 
@@ -37,7 +39,8 @@ def freezing_plot(
     order = np.argsort(-np.nan_to_num(high, nan=-1.0), kind="stable")
     start = _start(value, freeze_below)
     room = label_room(names, 104.0)
-    rows = Rows(Scale(start, 0.0, room, WIDTH - DECISION), ROW, len(names))
+    row = float(np.clip((height - OUTSIDE) / len(names), ROW, HIGHEST_ROW))
+    rows = Rows(Scale(start, 0.0, room, WIDTH - DECISION), row, len(names))
 
     def placed(number: float) -> float:
         return math.log10(min(max(number, 10.0**start), 1.0)) if number > 0.0 else start

@@ -11,11 +11,13 @@ from surrogate.report.parity import Parity
 from surrogate.report.plot import Column, Plot, column, plot
 
 
-def parity_plot(data: Parity, output: str, unit: str, surrogate: str) -> Plot:
+def parity_plot(
+    data: Parity, output: str, unit: str, surrogate: str, *, height: float = 340.0
+) -> Plot:
     """Predicted over observed, with the line of equality and 95 % intervals."""
     reach = np.where(np.isfinite(data.half), data.half, 0.0)
     both = span(data.observed, data.predicted + reach, data.predicted - reach)
-    panel = Panel.within(both, both, height=340.0)
+    panel = Panel.within(both, both, height=height)
     diagonal = line(
         panel.x(both[0]), panel.y(both[0]), panel.x(both[1]), panel.y(both[1]), "reference"
     )
@@ -27,16 +29,16 @@ def parity_plot(data: Parity, output: str, unit: str, surrogate: str) -> Plot:
     marks = _marks(panel, data, data.observed, data.predicted, unit)
     return plot(
         360,
-        340,
-        panel.frame(digits.labelled("simulated", unit), digits.labelled("predicted", unit)),
+        height,
+        panel.frame(digits.labelled(data.truth, unit), digits.labelled("predicted", unit)),
         diagonal,
         group(*bars),
         group(*marks),
-        title=f"{surrogate}: predicted against simulated {output}",
+        title=f"{surrogate}: predicted against {data.truth} {output}",
         says=_differences(data, unit),
         numbers=(
             *_which(data),
-            column(digits.labelled("simulated", unit), data.observed),
+            column(digits.labelled(data.truth, unit), data.observed),
             column(digits.labelled("predicted", unit), data.predicted),
             column(digits.labelled("half-width of the 95 % interval", unit), data.half),
         ),
@@ -54,7 +56,8 @@ def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Plot:
         360,
         340,
         panel.frame(
-            digits.labelled("predicted", unit), digits.labelled("simulated minus predicted", unit)
+            digits.labelled("predicted", unit),
+            digits.labelled(f"{data.truth} minus predicted", unit),
         ),
         zero,
         group(*marks),
@@ -63,7 +66,7 @@ def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Plot:
         numbers=(
             *_which(data),
             column(digits.labelled("predicted", unit), data.predicted),
-            column(digits.labelled("simulated minus predicted", unit), data.residual),
+            column(digits.labelled(f"{data.truth} minus predicted", unit), data.residual),
         ),
     )
 
@@ -83,7 +86,7 @@ def _differences(data: Parity, unit: str) -> str:
             )
     low, high = float(np.nanmin(data.observed)), float(np.nanmax(data.observed))
     values = digits.with_unit(digits.interval(low, high), unit)
-    return f"Simulated values from {values}. {'; '.join(said)}."
+    return f"{data.truth.capitalize()} values from {values}. {'; '.join(said)}."
 
 
 def _which(data: Parity) -> tuple[Column, ...]:
@@ -112,6 +115,6 @@ def _tip(data: Parity, k: int, unit: str) -> str:
         else digits.fixed(data.predicted[k], decimals)
     )
     return (
-        f"simulated {digits.with_unit(digits.fixed(data.observed[k], decimals), unit)}\n"
+        f"{data.truth} {digits.with_unit(digits.fixed(data.observed[k], decimals), unit)}\n"
         f"predicted {digits.with_unit(predicted, unit)}"
     )

@@ -23,6 +23,8 @@ from surrogate.space.space import Parameter, Space
 
 #: Up to this many parameters every pair has room for a panel.
 PAIRS = 7
+#: From this many runs on the marks of small panels are tiny.
+MANY = 60
 #: Size of the small type over that of the names.
 SMALL = 9.0 / 11.0
 #: Marks of the designs in their order; later designs use the last.
@@ -136,13 +138,14 @@ def _pair(x: Scale, y: Scale, coded: np.ndarray, numbers: np.ndarray, kinds: lis
     box = tag(
         "rect", x=x.start, y=y.end, width=x.end - x.start, height=y.start - y.end, class_="box"
     )
-    size = 2.6 if x.end - x.start > 70 else 1.9
+    size = 2.6 if x.end - x.start > 70 else 1.9 if len(kinds) < MANY else 1.4
     return group(
         box,
         *(
             _point(x, y, point, number, kind, size)
             for point, number, kind in zip(coded, numbers, kinds, strict=True)
         ),
+        class_="tiny" if size < 1.9 else None,
     )
 
 

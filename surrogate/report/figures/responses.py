@@ -17,7 +17,7 @@ from surrogate.space.space import Space
 POINTS = 41
 #: Curves that can be told apart; each has a colour and a dash of its own.
 MOST = 4
-HEIGHT = 300.0
+HEIGHT = 310.0
 #: Distance of two names at the right end of their curves.
 APART = 14.0
 

@@ -15,6 +15,8 @@ from surrogate.report.plot import Column, Plot, column, plot
 
 #: Height of one bar and of the room about a parameter's bars.
 BAR, ROOM = 14.0, 11.0
+#: Largest height of a bar, and height of the scale and the room above the bars.
+THICK, OUTSIDE = 30.0, 54.0
 SHARE = "share of the variance (–)"
 
 
@@ -46,16 +48,21 @@ def index_bars(
     *,
     freeze_below: float | None = None,
     trusted: bool = True,
+    height: float = 0.0,
 ) -> Plot:
-    """The series' bars side by side for each parameter, sorted by the last series."""
+    """The series' bars side by side for each parameter, sorted by the last series.
+
+    Bars are thicker where that brings few of them nearer to a height of the drawing.
+    """
     order = np.argsort(-np.nan_to_num(series[-1].value, nan=-np.inf), kind="stable")
-    band = BAR * len(series) + ROOM
+    bar = float(np.clip((height - OUTSIDE) / len(names) / (len(series) + ROOM / BAR), BAR, THICK))
+    band = bar * (len(series) + ROOM / BAR)
     rows = Rows.of(names, [number for bars in series for number in bars.finite], band)
     marks = [rows.frame(label)]
     for place, k in enumerate(order):
         marks.append(rows.name(place, names[k]))
         marks += [
-            _bar(rows.x, rows.top(place) + ROOM / 2 + BAR * step, bars, k, names[k])
+            _bar(rows.x, rows.top(place) + bar * (ROOM / BAR / 2 + step), bars, k, names[k], bar)
             for step, bars in enumerate(series)
         ]
     marks.append(rows.threshold(freeze_below))
@@ -91,16 +98,16 @@ def _numbers(names: Sequence[str], series: Sequence[Bars], order: np.ndarray) ->
     return tuple(columns)
 
 
-def _bar(x: Scale, y: float, bars: Bars, k: int, name: str) -> Markup:
+def _bar(x: Scale, y: float, bars: Bars, k: int, name: str, thick: float = BAR) -> Markup:
     value, low, high = float(bars.value[k]), float(bars.low[k]), float(bars.high[k])
     if not np.isfinite(value):
         return group()
     start, end = sorted((float(x(0.0)), float(x(value))))
     parts = [
-        tag("rect", x=start, y=y, width=end - start, height=BAR - 2, class_=f"bar-{bars.kind}")
+        tag("rect", x=start, y=y, width=end - start, height=thick - 2, class_=f"bar-{bars.kind}")
     ]
     if np.isfinite(low) and np.isfinite(high):
-        parts.append(whisker(x, low, high, y + BAR / 2 - 1))
+        parts.append(whisker(x, low, high, y + thick / 2 - 1))
     return group(
         *parts,
         class_="hover",
@@ -119,8 +126,12 @@ def part_bars(names: Sequence[str], total: Mapping[str, np.ndarray]) -> Plot:
             ("light", "surrogate ±", "surrogate"),
         )
     ]
+    # A closed form has no sampling part: its bars would be room and nothing else.
+    series = [bars for bars in series if (np.nan_to_num(bars.value) > 1e-9).any()] or series
     named = [names[k] for k in order]
-    rows = Rows.of(named, [number for bars in series for number in bars.finite], BAR * 2 + ROOM)
+    rows = Rows.of(
+        named, [number for bars in series for number in bars.finite], BAR * len(series) + ROOM
+    )
     marks = [rows.frame("half-width of the interval (–)")]
     for place, name in enumerate(named):
         marks.append(rows.name(place, name))
@@ -128,16 +139,14 @@ def part_bars(names: Sequence[str], total: Mapping[str, np.ndarray]) -> Plot:
             _bar(rows.x, rows.top(place) + ROOM / 2 + BAR * step, bars, place, name)
             for step, bars in enumerate(series)
         ]
-    widest = int(np.nanargmax(np.nan_to_num(np.fmax(series[0].value, series[1].value))))
+    widest = int(np.argmax(np.nan_to_num(np.max([bars.value for bars in series], axis=0))))
+    told = [f"{bars.title} {digits.figure(float(bars.value[widest]), 2)}" for bars in series]
     return plot(
         WIDTH,
         rows.height,
         *marks,
         title="Parts of the intervals of the total indices",
-        says=(
-            f"Largest for {named[widest]}: sampling ± {digits.figure(series[0].value[widest], 2)}, "
-            f"surrogate ± {digits.figure(series[1].value[widest], 2)}."
-        ),
+        says=f"Largest for {named[widest]}: {', '.join(told)}.",
         numbers=_numbers(named, series, np.arange(len(named))),
     )
 

@@ -76,7 +76,7 @@ def _table(content: Content, output: str, rows: dict[str, dict[str, float]]) -> 
         "q2_test": "Q² (held-out)",
         "rmse_test": digits.labelled("RMSE, held-out", unit),
         "max_error_test": digits.labelled("largest error, held-out", unit),
-        "coverage_95": "coverage of 95 % intervals",
+        "coverage_95": f"coverage of 95{digits.THIN}% intervals",
         "fit_seconds": "fit time",
         "predict_seconds": "time of 1000 predictions",
     }
@@ -199,11 +199,11 @@ def _parities(content: Content, output: str, best: str, others: list[str]) -> li
             (
                 Figure(
                     parity_plot(data, output, unit, best),
-                    f"{best}: {what}, predicted against simulated. {_reading(data)}",
+                    f"{best}: {what}, predicted against {data.truth}. {_reading(data)}",
                 ),
                 Figure(
                     residual_plot(data, output, unit, best),
-                    f"{best}: residuals (simulated minus predicted). {_pattern(data, unit)}",
+                    f"{best}: residuals ({data.truth} minus predicted). {_pattern(data, unit)}",
                 ),
             )
         ),
@@ -215,7 +215,7 @@ def _parities(content: Content, output: str, best: str, others: list[str]) -> li
             figures.append(
                 Figure(
                     parity_plot(found, output, unit, name),
-                    f"{name}: predicted against simulated. {_reading(found)}",
+                    f"{name}: predicted against {found.truth}. {_reading(found)}",
                 )
             )
         which = "surrogate" if len(others) == 1 else f"{len(others)} surrogates"

@@ -26,6 +26,8 @@ from surrogate.sensitivity.importance import TOTAL
 ROUNDING = 1e-9
 #: The leading inputs are those that explain so much of the variance, and so many at most.
 ENOUGH, MOST = 0.8, 3
+#: Height of the three drawings where their rows allow it.
+HEIGHT = 310.0
 #: Names of inputs in a cell of the first table.
 LISTED = 2
 #: What the shipped surrogates are; others are called by their class.
@@ -65,6 +67,7 @@ def verdict(content: Content, output: str) -> Verdict:
         output,
         anchor("output", output),
         f"{'; '.join(clause for clause in clauses if clause)}.",
+        meaning=_meaning(content, output),
         surrogate=best or digits.NOTHING,
         q2=digits.score(q2),
         error=digits.with_unit(digits.figure(error, 2), content.unit(output)),
@@ -84,6 +87,12 @@ def called(fit: Fit) -> str:
     words = KINDS.get(kind) or re.sub(r"(?<=[a-z])(?=[A-Z])", " ", kind).capitalize()
     plain = fit.surrogate.replace("_", " ").lower()
     return f"the {words}" if plain in words.lower() else f"the {words} {fit.surrogate}"
+
+
+def _meaning(content: Content, output: str) -> str:
+    """What the solver says of an output, when that is more than its name."""
+    words = str(content.runs[output].attrs.get("long_name", "")).rstrip(".")
+    return "" if words.replace("_", " ").lower() == output.replace("_", " ").lower() else words
 
 
 def _predicted(content: Content, output: str, best: str | None) -> str:
@@ -106,7 +115,8 @@ def _predicted(content: Content, output: str, best: str | None) -> str:
             "no run can be left out of the training design"
         )
     if error <= ROUNDING * _spread(content, output):
-        return f"{name} is exact to rounding {kind}: the solver itself has this form"
+        solver = "table" if content.recorded else "solver"
+        return f"{name} is exact to rounding {kind}: the {solver} itself has this form"
     within = digits.with_unit(digits.figure(error, 2), content.unit(output))
     return (
         f"{name} predicts it within {within} (RMSE {kind}; "
@@ -190,7 +200,12 @@ def _leading_words(content: Content, output: str) -> str:
         return "not answered" if refusal(content, output) else ""
     table, measure, order = found
     names, values = names_of(table), np.asarray(table[measure].values, dtype=float)
-    told = digits.column(values[order[:LISTED]], 2)
+    shown = values[order[:LISTED]]
+    told = (
+        [digits.fixed(value, 2) for value in shown]
+        if measure in SHARES
+        else digits.column(shown, 2)
+    )
     return ", ".join(f"{names[k]} {size}" for k, size in zip(order[:LISTED], told, strict=True))
 
 
@@ -219,7 +234,7 @@ def _how_good(content: Content, output: str, best: str | None) -> Figure | None:
     if TEST in content.designs:
         held &= np.isin(data.run, content.numbers[content.words("design") == TEST])
     data = data.only(held) if held.any() else data
-    bars = " Bars: 95 % prediction intervals." if np.isfinite(data.half).any() else ""
+    bars = f" Bars: 95{digits.THIN}% prediction intervals." if np.isfinite(data.half).any() else ""
     kind = (
         digits.quantity(int(held.sum()), "held-out run")
         if held.any()
@@ -229,8 +244,8 @@ def _how_good(content: Content, output: str, best: str | None) -> Figure | None:
     )
     what = "Means of the field. " if content.is_field(output) else ""
     return Figure(
-        parity_plot(data, output, content.unit(output), best),
-        f"{what}{best} on {kind}. Dashed: exact.{bars}",
+        parity_plot(data, output, content.unit(output), best, height=HEIGHT),
+        f"{what}{best} on {kind}. Dashed: equality.{bars}",
         question="How good is it?",
     )
 
@@ -269,7 +284,9 @@ def _what_matters(content: Content, output: str) -> Figure | None:
     what = what[:1].upper() + what[1:]
     bars = f" Whiskers: {confidence} intervals." if np.isfinite(series[-1].low).any() else ""
     return Figure(
-        index_bars(names, series, label, f"What matters for {output}", trusted=not refused),
+        index_bars(
+            names, series, label, f"What matters for {output}", trusted=not refused, height=HEIGHT
+        ),
         f"{what}{bars}",
         stamp=STAMP if refused else "",
         question="What matters?",
@@ -313,6 +330,7 @@ def _what_may_be_frozen(content: Content, output: str) -> Figure | None:
             decision.freeze_below,
             f"What may be frozen for {output}",
             trusted=not decision.refused,
+            height=HEIGHT,
         ),
         f"{what[:1].upper()}{what[1:]} with its {digits.percent(decision.confidence)} interval. "
         f"Dashed: limit {digits.number(decision.freeze_below)}. Open: may be frozen.{reason}",

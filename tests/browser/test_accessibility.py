@@ -1,0 +1,64 @@
+"""Nobody is kept out: axe-core finds nothing, and a keyboard reaches everything."""
+
+import pytest
+
+axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+
+
+#: All folds; of the tables of numbers, which are all made alike, the first.
+UNFOLD = """document.querySelectorAll("details:not(.behind), .verdict .behind")
+  .forEach((fold) => { fold.open = true; })"""
+
+
+def violations(page):
+    """What axe-core finds, a line each."""
+    found = axe.Axe().run(page, options={"resultTypes": ["violations"]})
+    return [
+        f"{one['id']}: {node['html'][:120]} {node['failureSummary'][:300]}"
+        for one in found.response["violations"]
+        for node in one["nodes"][:2]
+    ]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ("bandage_laplace", "table", "categorical")
+    + (pytest.param("bandage_surrogates", marks=pytest.mark.slow),),
+)
+def test_axe_finds_nothing(report_of, open_page, name):
+    page = open_page(report_of(name)).page
+    page.evaluate(UNFOLD)
+    assert violations(page) == []
+
+
+@pytest.mark.parametrize("name", ("table", "categorical"))
+def test_axe_finds_nothing_in_the_dark(report_of, open_page, name):
+    page = open_page(report_of(name), width=390, height=844, color_scheme="dark").page
+    page.evaluate(UNFOLD)
+    assert violations(page) == []
+
+
+FOCUS = """() => {
+  const at = document.activeElement;
+  const style = getComputedStyle(at);
+  const box = at.getBoundingClientRect();
+  return { tag: at.tagName, name: at.getAttribute("aria-label") || at.textContent.trim(),
+    outline: style.outlineStyle !== "none" && parseFloat(style.outlineWidth) >= 1,
+    seen: box.width > 0 && box.height > 0 && box.bottom > 0 && box.top < innerHeight };
+}"""
+CONTROLS = """() => [...document.querySelectorAll("a[href], button, input, summary")]
+  .filter((one) => one.checkVisibility() && !(one.type === "radio" && !one.checked)).length"""
+
+
+def test_every_control_is_reached_and_seen(report_of, open_page):
+    """Tab goes through all links, buttons and folds; each shows that it has the focus."""
+    page = open_page(report_of("table"), reduced_motion="reduce").page
+    controls, reached = page.evaluate(CONTROLS), 0
+    for _ in range(3 * controls):
+        page.keyboard.press("Tab")
+        focus = page.evaluate(FOCUS)
+        if focus["tag"] == "BODY":
+            break
+        assert focus["outline"] and focus["seen"], focus
+        reached += focus["tag"] in ("A", "BUTTON", "INPUT", "SUMMARY")
+    assert reached == controls > 30
