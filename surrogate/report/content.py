@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -44,6 +44,7 @@ class Content:
     replicates      output -> scatter at repeated points
     reduced_study   text of the study file without the frozen parameters
     not_done        sentences about what the study asked for and could not be done
+    known           what sections have worked out of a fit and an output, for those behind them
     """
 
     name: str
@@ -62,6 +63,7 @@ class Content:
     replicates: Mapping[str, Replicates] = field(default_factory=dict)
     reduced_study: str = ""
     not_done: Sequence[str] = ()
+    known: dict[tuple[int, str], Any] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def outputs(self) -> list[str]:

@@ -46,12 +46,20 @@ class Parity:
 
 
 def parity(content: Content, fit: Fit, output: str) -> Parity:
-    """Every finished run beside what the fit says of it.
+    """Every finished run beside what the fit says of it; worked out once for a page.
 
     Runs that the fit has learnt from are predicted by the fit without their fold,
     because a fit that interpolates is perfect on what it has seen. A run that several designs
     share is shown once.
     """
+    key = (id(fit), output)
+    if key not in content.known:
+        content.known[key] = _parity(content, fit, output)
+    found: Parity = content.known[key]
+    return found
+
+
+def _parity(content: Content, fit: Fit, output: str) -> Parity:
     finished = np.flatnonzero(content.finished(output))
     rows = rows_learnt(fit, content.coded[finished])
     shown = rows < 0
