@@ -212,6 +212,19 @@ def open_report(study: StudyFile, results_dir: Results = None, quiet: Quiet = Fa
 
 
 @app.command()
+def dossier(
+    study: StudyFile, results_dir: Results = None, as_json: AsJson = False, quiet: Quiet = False
+) -> None:
+    """Write the evidence of credibility, as a reviewer asks for it (ASME V&V 40). Runs nothing."""
+    from surrogate.cli import results
+    from surrogate.cli.dossier import dossier as written
+
+    loaded = _read(study)
+    page = written(loaded, results.folder_of(loaded, results_dir), study)
+    _show(page, as_json, hidden=quiet)
+
+
+@app.command()
 def predict(
     study: StudyFile,
     at: Values = None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -52,6 +52,16 @@ def build(content: Content, only: str = "") -> Page:
 
     only: anchor of the one section to show; provenance stands under it.
     """
+    sections = [
+        section
+        for section in _sections(content)
+        if not only or section.anchor in (only, "provenance")
+    ]
+    return assembled(content, sections, content.name)
+
+
+def assembled(content: Content, sections: Sequence[Section], title: str) -> Page:
+    """A page of these sections in the style of the report."""
     environment = Environment(
         loader=_LOADER,
         autoescape=True,
@@ -60,14 +70,9 @@ def build(content: Content, only: str = "") -> Page:
         lstrip_blocks=True,
     )
     environment.filters["parted"] = _parted
-    sections = [
-        section
-        for section in _sections(content)
-        if not only or section.anchor in (only, "provenance")
-    ]
     return Page(
         environment.get_template("page.html").render(
-            name=content.name,
+            name=title,
             sections=sections,
             anchors={section.anchor for section in sections},
             style=_part(environment, "style.css"),

@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from surrogate.errors import KeyPath, Mistake, nearest
+from surrogate.study.credibility_part import CredibilityPart, EvidencePart
 from surrogate.study.parts import (
     ConstantPart,
     DataOutputPart,
@@ -192,6 +193,8 @@ def _keys_at(path: KeyPath) -> list[str]:
         return list((DataTestPart if path[1] == "test" else DataOutputPart).model_fields)
     if path[:1] == ("solve",) and len(path) > 2:
         return list((TargetPart if path[2] == "target" else DesirePart).model_fields)
+    if path[:1] == ("credibility",) and len(path) > 1:
+        return list(EvidencePart.model_fields)
     if path[:2] == ("validation", "models") and len(path) > 2:
         return list(SolverPart.model_fields)
     parts: dict[str | int, type[BaseModel]] = {
@@ -205,6 +208,7 @@ def _keys_at(path: KeyPath) -> list[str]:
         "screening": ScreeningPart,
         "solve": SolvePart,
         "validation": ValidationPart,
+        "credibility": CredibilityPart,
         "execution": ExecutionPart,
     }
     return list((parts[path[0]] if path else StudyPart).model_fields)

@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from surrogate.study.credibility_part import CredibilityPart
 from surrogate.study.part import OpenPart, Part
 from surrogate.study.solve_part import SolvePart
 from surrogate.study.values import Duration, Name, Number, Size, Texts, names_only
@@ -435,6 +436,11 @@ class StudyPart(Part):
         None,
         description="Measurements, or a better model, that surrogates are compared with.",
         examples=["measured.csv"],
+    )
+    credibility: CredibilityPart | None = Field(
+        None,
+        description="What a reviewer asks and no run can tell, for `surrogate dossier`.",
+        examples=[{"question": "Which bandage gives 40 mmHg?", "consequence": "low: wrap again"}],
     )
     execution: ExecutionPart = Field(
         default_factory=lambda: ExecutionPart.model_validate({}),
