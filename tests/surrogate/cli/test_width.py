@@ -37,6 +37,7 @@ VERBS = {
     "predict": (["predict", "wide.yaml", *AT], True),
     "validate": (["validate", "wide.yaml"], True),
     "store": (["store", "wide.yaml"], False),
+    "dossier": (["dossier", "wide.yaml"], False),
     "open": (["open", "wide.yaml"], False),
     "work": (["work", "wide.yaml"], False),
     "list": (["list"], True),
