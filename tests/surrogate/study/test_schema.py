@@ -15,23 +15,32 @@ from surrogate.study.catalogue import catalogue
 from surrogate.study.parts import StudyPart
 from surrogate.study.schema import json_schema
 
+SCHEMA = json_schema()
+
 
 def keys() -> Iterator[tuple[str, dict[str, Any]]]:
     """`part.key` of every key, with its schema."""
-    schema = json_schema()
-    parts = {"StudyPart": schema, **schema["$defs"]}
+    parts = {"StudyPart": SCHEMA, **SCHEMA["$defs"]}
     for name, part in parts.items():
         mapping = part if "properties" in part else part["anyOf"][0]
         for key, found in mapping["properties"].items():
             yield f"{name}.{key}", found
 
 
+@pytest.fixture(scope="module")
+def validator():
+    """Of the schema, which is checked once."""
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    return jsonschema.Draft202012Validator(SCHEMA)
+
+
 @pytest.mark.parametrize(("key", "found"), list(keys()), ids=[key for key, _ in keys()])
-def test_a_key_has_a_description_and_valid_examples(key, found):
+def test_a_key_has_a_description_and_valid_examples(validator, key, found):
     assert found.get("description", "").endswith("."), key
     assert found.get("examples"), key
+    here = validator.evolve(schema={**found, "$defs": SCHEMA["$defs"]})
     for example in found["examples"]:
-        jsonschema.validate(example, {**found, "$defs": json_schema()["$defs"]})
+        here.validate(example)
 
 
 @pytest.mark.parametrize("key", StudyPart.model_fields)
@@ -42,8 +51,7 @@ def test_the_reader_accepts_the_examples_of_the_first_level(key):
 
 
 def test_every_part_says_what_it_is():
-    schema = json_schema()
-    for name, part in schema["$defs"].items():
+    for name, part in SCHEMA["$defs"].items():
         described = part if "properties" in part else part["anyOf"][0]
         assert described["description"].endswith("."), name
 
@@ -59,14 +67,14 @@ def test_every_part_says_what_it_is():
         ),
     ],
 )
-def test_a_method_is_named_alone(short, long):
+def test_a_method_is_named_alone(validator, short, long):
     """The name stands for a mapping that holds nothing else, in the schema too."""
     study = {"study": "beam", "solver": "b:B", "parameters": {}, "designs": {}}
     assert StudyPart.model_validate(study | short) == StudyPart.model_validate(study | long)
     found = StudyPart.model_validate(study | short).sensitivity
     assert found is None or "method" in found.model_fields_set
     for words in (short, long):
-        jsonschema.validate(study | words, json_schema())
+        validator.validate(study | words)
 
 
 def test_a_reduced_study_takes_a_sensitivity_named_alone():
@@ -100,13 +108,6 @@ SOUND = {
     "designs": {"train": {"method": "my_module:design", "runs": 3}},
     "surrogates": {"f": {"method": "sklearn.ensemble:RandomForestRegressor"}},
 }
-
-
-@pytest.fixture(scope="module")
-def validator():
-    schema = json_schema()
-    jsonschema.Draft202012Validator.check_schema(schema)
-    return jsonschema.Draft202012Validator(schema)
 
 
 @pytest.mark.parametrize("study", STUDIES, ids=lambda path: path.stem)
