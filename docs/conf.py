@@ -34,13 +34,14 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx_copybutton",
     "sphinx_design",
+    "sphinx_gallery.gen_gallery",
     "cells",
     "docstrings",
     "generated",
     "mathml",
     "repository",
 ]
-exclude_patterns = ["gallery/*", "reference/generated/*"]
+exclude_patterns = ["gallery/*", "gallery_of_studies/*.ipynb", "reference/generated/*"]
 templates_path = ["_templates"]
 default_role = "code"
 nitpicky = True
@@ -81,9 +82,10 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "show_memory": False,
     "show_signature": False,
-    "min_reported_time": 1e9,
+    "write_computation_times": False,
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
+    "reset_modules": ("matplotlib", "gallery_style.reset"),
 }
 
 html_theme = "furo"

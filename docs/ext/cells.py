@@ -28,18 +28,20 @@ def _read(app: Sphinx, doctree: nodes.document) -> None:
         if text.startswith(WRITE):
             first, _, rest = text.partition("\n")
             name = first.removeprefix(WRITE)
-            _replace(block, rest, LANGUAGES.get(PurePath(name).suffix, "text"), name)
+            shown = _replace(block, rest, LANGUAGES.get(PurePath(name).suffix, "text"), name)
+            doctree.set_id(shown)
         elif text.startswith("!") and block.get("language", "").startswith("ipython"):
             lines = [line.replace("!", "$ ", 1) for line in text.splitlines()]
             _replace(block, "\n".join(lines), "console", "")
 
 
-def _replace(block: nodes.literal_block, text: str, language: str, caption: str) -> None:
+def _replace(block: nodes.literal_block, text: str, language: str, caption: str) -> nodes.Element:
     shown = nodes.literal_block(text, text, language=language, classes=block["classes"])
     if not caption:
         block.replace_self(shown)
-        return
+        return shown
     named = nodes.container("", literal_block=True, classes=["literal-block-wrapper"])
     named += nodes.caption("", caption)
     named += shown
     block.replace_self(named)
+    return named

@@ -39,27 +39,41 @@ def _skip(
 
 def markup(lines: list[str]) -> Iterator[str]:
     """The lines of a docstring, such that they mean in markup what they show as text."""
-    literal, in_row, before = False, False, ""
-    for line in lines:
-        indented = line.startswith((" ", "\t"))
-        if literal and line.strip() and not indented:
-            literal = False
-        row = None if literal or indented else ROW.match(line)
-        if literal or line.lstrip().startswith((">>>", "..")):
-            yield line
+    place = 0
+    while place < len(lines):
+        line = lines[place]
+        row = ROW.match(line)
+        inner = _indented(lines, place + 1)
+        place += 1 + len(inner)
+        if line.lstrip().startswith((">>>", "..")):
+            yield from (line, *inner)
         elif row:
-            if before.strip() and not in_row:
+            before = lines[place - len(inner) - 2] if place > len(inner) + 1 else ""
+            if before.strip() and not (ROW.match(before) or before.startswith(" ")):
                 yield ""
             yield f"- ``{row['name']}``: {plain(row['said'])}"
-        elif in_row and indented:
-            yield f"  {plain(line.strip())}"
-        else:
-            if in_row and line.strip():
+            yield from (f"  {plain(one.strip())}" for one in inner if one.strip())
+            if _text(lines, place) and not ROW.match(lines[place]):
                 yield ""
-            yield line[: len(line) - len(line.lstrip())] + plain(line.lstrip())
-        in_row = bool(row) or (in_row and indented)
-        literal = literal or line.rstrip().endswith("::")
-        before = line
+        elif inner and line.strip():
+            yield plain(line) if line.rstrip().endswith("::") else f"{plain(line)} ::"
+            yield from ("", *inner, "")
+        else:
+            yield from (plain(line), *inner)
+
+
+def _indented(lines: list[str], place: int) -> list[str]:
+    """The lines from `place` on that are indented, with blank ones between them."""
+    end = place
+    while end < len(lines) and (not lines[end].strip() or lines[end].startswith(" ")):
+        end += 1
+    while end > place and not lines[end - 1].strip():
+        end -= 1
+    return lines[place:end]
+
+
+def _text(lines: list[str], place: int) -> bool:
+    return place < len(lines) and bool(lines[place].strip())
 
 
 def plain(text: str) -> str:
