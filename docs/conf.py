@@ -16,7 +16,7 @@ sys.path.insert(0, str(DOCS / "ext"))
 
 # What the pages' commands print is text, of a width that fits the page.
 os.environ |= {
-    "COLUMNS": "88",
+    "COLUMNS": "80",
     "NO_COLOR": "1",
     "TERM": "dumb",
     "PROJECT": str(DOCS.parent),
@@ -94,6 +94,7 @@ html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
 html_math_renderer = "mathml"
 copybutton_prompt_text = r"\$ |>>> "
 copybutton_prompt_is_regexp = True

@@ -41,6 +41,6 @@ plt.show()
 # %%
 # By Laplace's law friction plays no part, and its index is zero.
 
-indices = study.sensitivity(fits, runs, table).sel(output="pressure_b1")
-for sentence in study.screening(fits, table, study.sensitivity(fits, runs, table)).sentences:
+indices = study.sensitivity(fits, runs, table)
+for sentence in study.screening(fits, table, indices).sentences:
     print(sentence)
