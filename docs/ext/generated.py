@@ -172,12 +172,14 @@ def _type(found: Mapping[str, Any]) -> str:
 def _word(one: Mapping[str, Any]) -> str:
     if "$ref" in one:
         whole = json_schema()["$defs"][one["$ref"].rsplit("/", 1)[1]]
-        short = {"string": "text or ", "array": "[number, number] or "}
-        kinds = [kind for form in whole.get("anyOf", ())[1:] for kind in [form["type"]]]
-        return short.get(str(kinds[0]), "") + "a mapping" if kinds else "a mapping"
+        short = {"string": "text or a mapping", "array": "[number, number] or a mapping"}
+        alone = [form.get("type", "string") for form in whole.get("anyOf", ())[1:]]
+        return short.get(str(alone[0]), "a mapping") if alone else "a mapping"
+    if "const" in one:
+        return "text"
     kind = one.get("type")
     if kind == "array":
-        items = one.get("items") or {}
+        items = one.get("items") or (one.get("prefixItems") or [{}])[0]
         pair = one.get("maxItems") if one.get("maxItems") == one.get("minItems") else None
         inner = {"number": "numbers", "string": "texts"}.get(items.get("type", ""), "entries")
         return f"{pair or 'a list of'} {inner}" if pair is None else f"[{inner}, {pair} of them]"
