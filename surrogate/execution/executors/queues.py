@@ -12,18 +12,19 @@ import shlex
 import subprocess
 import time
 from collections import deque
-from collections.abc import Generator
+from collections.abc import Generator, Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 from typing import Any, ClassVar
 
-from surrogate.errors import PluginError, SurrogateError
+from surrogate.errors import Mistake, PluginError, StudyError, SurrogateError
 from surrogate.execution.backend import Event, RunSettings
 from surrogate.execution.executors.dask import MISSING, Own
 from surrogate.execution.executors.dask_runs import DaskRuns
 from surrogate.execution.handle import Task
 from surrogate.execution.stopping import Stop
+from surrogate.space.units import seconds, size
 
 #: Seconds before the end of a job's walltime in which its workers take no new run.
 SPARE_SECONDS = 60.0
@@ -73,6 +74,27 @@ class Queue:
     payer: ClassVar[str] = "account"
     standard_input: ClassVar[bool] = False
 
+    @classmethod
+    def mistakes(cls, options: Mapping[str, Any], timeout: float | None) -> Iterator[Mistake]:
+        """What is wrong with the values of options; timeout: seconds that a run may take."""
+        for name in ("jobs", "cores", "processes", "hourly"):
+            if _is_whole(options.get(name, 1)) and options.get(name, 1) < 1:
+                yield Mistake((name,), f"{name}: {options[name]} must be 1 or more")
+        for name, read, example in (("memory", size, "16 GB"), ("walltime", seconds, "12 h")):
+            given = options.get(name, example)
+            if not isinstance(given, str):
+                yield Mistake((name,), f"{name}: {given!r} has no unit; write it as in {example}")
+                continue
+            try:
+                found = read(given)
+            except StudyError as error:
+                yield Mistake((name,), f"{name}: {error}")
+                continue
+            if found <= 0:
+                yield Mistake((name,), f"{name}: {given} must be above 0; for example {example}")
+            elif name == "walltime" and timeout and _useful(found, timeout) <= 0:
+                yield Mistake((name,), _too_short(given, timeout))
+
     def __post_init__(self) -> None:
         try:
             import_module(self.job.partition(":")[0])
@@ -94,20 +116,15 @@ class Queue:
     @property
     def seconds(self) -> float:
         """The walltime."""
-        from surrogate.space.units import seconds
-
         return seconds(self.walltime)
 
     @property
     def useful_seconds(self) -> float:
         """Seconds of a job in which its workers take new runs."""
         longest = self.settings.timeout or 0.0
-        useful = self.seconds - longest - min(SPARE_SECONDS, self.seconds / 10)
+        useful = _useful(self.seconds, longest)
         if useful <= 0:
-            raise SurrogateError(
-                f"walltime {self.walltime} is too short for a run of at most {longest:g} s; "
-                "raise walltime or lower timeout"
-            )
+            raise SurrogateError(_too_short(self.walltime, longest))
         return useful
 
     def script(self, address: str, name: str, log: Path, ended: Path) -> str:
@@ -119,8 +136,6 @@ class Queue:
         return "\n".join([*before, told, f"echo $? > {shlex.quote(str(ended))}", ""])
 
     def _words(self, address: str, name: str) -> dict[str, Any]:
-        from surrogate.space.units import size
-
         # One run at a time in a process: the later of two --nthreads counts.
         life = max(1, int(self.seconds - min(SPARE_SECONDS, self.seconds / 10) / 2))
         arguments = ["--nthreads", "1", "--lifetime", f"{life}s", "--no-dashboard"]
@@ -147,6 +162,22 @@ class Queue:
         """The walltime as the queue writes it."""
         minutes, seconds = divmod(int(self.seconds), 60)
         return f"{minutes // 60:02d}:{minutes % 60:02d}:{seconds:02d}"
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _useful(walltime: float, longest: float) -> float:
+    """Seconds of a job in which a run of at most `longest` seconds may begin."""
+    return walltime - longest - min(SPARE_SECONDS, walltime / 10)
+
+
+def _too_short(walltime: str, longest: float) -> str:
+    return (
+        f"walltime {walltime} is too short for a run of at most {longest:g} s; raise walltime or "
+        "lower timeout"
+    )
 
 
 class Slurm(Queue):

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from surrogate.errors import ResultsError
+from surrogate.errors import Mistake, ResultsError
 from surrogate.execution.attempts import finished_runs
 from surrogate.execution.backend import RunSettings, cores
 from surrogate.execution.clock import TICK
@@ -53,6 +53,13 @@ class Shared:
     """
 
     lease: float = LEASE
+
+    @classmethod
+    def mistakes(cls, options: Mapping[str, Any], timeout: float | None) -> Iterator[Mistake]:
+        """What is wrong with the value of the lease."""
+        lease = options.get("lease", LEASE)
+        if isinstance(lease, int | float) and not lease > 0:
+            yield Mistake(("lease",), f"lease: {lease:g} s must be above 0; {LEASE:g} is usual")
 
 
 def work(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from surrogate.errors import StudyError
+from surrogate.errors import Mistake, StudyError
 from surrogate.execution.backend import Start
 from surrogate.execution.executors.futures import factory
 from surrogate.execution.shared.work import Shared
@@ -29,9 +30,7 @@ def check_execution(reading: Reading) -> None:
         reading.wrong("workers and places mean the same; drop one", "execution", "workers")
     with reading.mistakes_at("execution", "executor"):
         found = _found(part, reading.folder)
-        reading.add(
-            option_mistakes(found, part.options, GIVEN_TO_EXECUTORS), "execution", "options"
-        )
+        reading.add(_option_mistakes(found, part), "execution", "options")
     if part.memory is not None and not _limits_memory(part.executor):
         reading.wrong(
             f"executor {part.executor} cannot watch the memory of a run; drop memory, or use "
@@ -39,6 +38,19 @@ def check_execution(reading: Reading) -> None:
             "execution",
             "memory",
         )
+
+
+def _option_mistakes(executor: Any, part: ExecutionPart) -> list[Mistake]:
+    """Names and types of options by the signature; of values what the executor itself says."""
+    own = list(getattr(executor, "mistakes", _no_mistakes)(part.options, part.timeout))
+    told = {mistake.path for mistake in own}
+    found = option_mistakes(executor, part.options, GIVEN_TO_EXECUTORS)
+    return [*own, *(mistake for mistake in found if mistake.path not in told)]
+
+
+def _no_mistakes(options: Mapping[str, Any], timeout: float | None) -> tuple[Mistake, ...]:
+    """An executor whose signature says all."""
+    return ()
 
 
 def starter(part: ExecutionPart, folder: Path | None) -> Start | Shared | None:

@@ -44,6 +44,17 @@ MISTAKES = {
     "places: 0": "6:11: places 0: must be at least 1",
     "places: 2\nworkers: 3": "7:12: workers and places mean the same; drop one",
     "executor: 'subprocess:run'": "6:13: 'subprocess:run' is not called: an executor is a class",
+    "executor: slurm\noptions: {memory: 4 parsecs}": "7:21: memory: size '4 parsecs' is not und",
+    "executor: slurm\noptions: {memory: 16}": "7:21: memory: 16 has no unit; write it as in 16 GB",
+    "executor: pbs\noptions: {walltime: 0 s}": "7:23: walltime: 0 s must be above 0; for exampl",
+    "executor: lsf\noptions: {walltime: 12:00:00}": "7:23: walltime: duration '12:00:00' is not",
+    "executor: lsf\noptions: {walltime: 720}": "7:23: walltime: 720 has no unit; write it as",
+    "executor: sge\noptions: {jobs: 0}": "7:19: jobs: 0 must be 1 or more",
+    "executor: slurm\noptions: {cores: many}": "7:20: option 'cores': 'many' is not accepted",
+    "executor: slurm\noptions: {setup: module load x}": "7:20: option 'setup': 'module load x' is",
+    "executor: slurm\noptions: {wall_time: 1 h}": "7:13: option 'wall_time' is unknown; did you",
+    "executor: slurm\noptions: {walltime: 1 h}\ntimeout: 2 h": "7:23: walltime 1 h is too short",
+    "executor: shared_folder\noptions: {lease: 0}": "7:20: lease: 0 s must be above 0",
     f"executor: '{__name__}:anything'": "is not called: an executor is a class",
 }
 
@@ -54,6 +65,13 @@ def test_mistakes_have_their_place(words):
         study(words)
     (sentence,) = caught.value.mistakes
     assert MISTAKES[words] in sentence
+
+
+def test_wrong_values_of_a_queue_are_told_all_at_once():
+    words = "executor: slurm\noptions: {jobs: -1, memory: 4, walltime: soon, queues: long}"
+    with pytest.raises(StudyError) as caught:
+        study(words)
+    assert len(caught.value.mistakes) == 4
 
 
 @pytest.mark.parametrize(
