@@ -4,9 +4,10 @@
 
 `surrogate run` on this machine, `surrogate run` on a dask cluster that `dask scheduler` and
 `dask worker` started, and three `surrogate work` processes on one folder. The solver writes
-down when it is called and when it answers. In the middle a worker is killed (SIGKILL): a
-process of the solver, a dask worker, a `surrogate work`. `lost` and `twice` must be 0, calls
-at most runs + killed, and the results equal to the last digit.
+down when it is called and when it answers. In a run a worker is killed (SIGKILL): a
+process of the solver, a dask worker, a `surrogate work`. Counted are runs without an answer
+(lost) and runs that were done again although their record was written (twice): both must be 0,
+calls at most runs + killed, and the results equal to the last digit.
 """
 
 from __future__ import annotations
@@ -20,7 +21,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -29,6 +29,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.runs.record import from_line
 from surrogate.study.study import Study
 
 #: Runs at once, and seconds after which a `surrogate work` without a sign of life is gone.
@@ -49,7 +50,7 @@ class Diary:
     def __init__(self, seconds):
         self.seconds = seconds
     def note(self, word, a, b):
-        line = f"{word} {os.getpid()} {os.getppid()} {a!r} {b!r}\\n"
+        line = f"{word} {os.getpid()} {os.getppid()} {time.time()!r} {a!r} {b!r}\\n"
         with open(os.environ["SURROGATE_DIARY"], "a") as diary:
             diary.write(line)
     def __call__(self, a, b):
@@ -89,7 +90,12 @@ class Note:
     word: str
     process: int
     parent: int
-    point: str
+    moment: float
+    point: tuple[float, ...]
+
+
+def _note(word: str, process: str, parent: str, moment: str, *point: str) -> Note:
+    return Note(word, int(process), int(parent), float(moment), tuple(map(float, point)))
 
 
 @dataclass
@@ -134,8 +140,16 @@ class Arena:
         """The diary so far, without a line that is not whole."""
         path = self.folder / "diary.txt"
         whole = path.read_text().rpartition("\n")[0] if path.exists() else ""
-        words = (line.split(maxsplit=3) for line in whole.splitlines())
-        return [Note(word, int(pid), int(parent), point) for word, pid, parent, point in words]
+        return [_note(*line.split()) for line in whole.splitlines()]
+
+    def finished(self) -> dict[tuple[float, ...], list[float]]:
+        """When each point was finished: the records of all files of the journal."""
+        found: dict[tuple[float, ...], list[float]] = {}
+        for path in (self.folder / "results/ways/journal").glob("**/*.jsonl"):
+            for record in map(from_line, path.read_bytes().splitlines()):
+                point = (float(record.inputs["a"]), float(record.inputs["b"]))
+                found.setdefault(point, []).append(record.finished)
+        return found
 
     def wait(self, done: Callable[[], bool]) -> None:
         """Until something is so; a process that fails ends the benchmark with its output."""
@@ -147,27 +161,32 @@ class Arena:
             time.sleep(0.02)
 
     def kill_in_the_middle(self, parent: bool) -> None:
-        """End the process that calls the solver, or its parent, when a third is done."""
+        """End the process that calls the solver, or its parent, in a run, a third being done."""
 
         def third() -> bool:
-            return sum(note.word == "answer" for note in self.notes()) >= self.runs // 3
+            notes = self.notes()
+            done = sum(note.word == "answer" for note in notes)
+            return done >= self.runs // 3 and notes[-1].word == "call"
 
         self.wait(third)
         last = self.notes()[-1]
+        time.sleep(self.seconds / 2)  # an answer of before stands in the journal by now
         os.kill(last.parent if parent else last.process, signal.SIGKILL)
 
     def end(self, processes: Sequence[subprocess.Popen[bytes]]) -> Count:
         """Wait for the processes, then count; those that were killed ended with a signal."""
         self.wait(lambda: all(one.poll() is not None for one in processes))
         runs = Study.from_yaml(self.folder / "study.yaml").stored(self.folder / "results/ways")
-        answered = Counter(note.point for note in self.notes() if note.word == "answer")
+        calls = [note for note in self.notes() if note.word == "call"]
+        finished = self.finished()
+        again = sum(note.moment > min(finished[note.point]) for note in calls)
         values = np.column_stack([runs["y"].values, runs["wave"].values])
         return Count(
             runs.sizes["run"],
-            sum(note.word == "call" for note in self.notes()),
+            len(calls),
             1,
             int((runs["status"] != "ok").sum()),
-            sum(times - 1 for times in answered.values()),
+            again + sum(len(moments) - 1 for moments in finished.values()),
             values,
         )
 

@@ -30,13 +30,18 @@ from numpy.typing import NDArray
 from surrogate.card import Card, Carded
 from surrogate.errors import StudyError, nearest
 from surrogate.execution.answers import accepted
+from surrogate.execution.shared.claims import Presence, SharedFolder, at_work
+from surrogate.execution.shared.work import own_name
 from surrogate.runs.assembly import physical_columns
 from surrogate.runs.identity import RunInputs
-from surrogate.runs.journal import Journal
+from surrogate.runs.journal import Journal, JournalContents
 from surrogate.runs.record import Record
 from surrogate.runs.stored import KnownRuns
 from surrogate.study.kept_designs import keep
 from surrogate.study.study import Study
+
+#: How the names of campaigns begin, among those of the workers that share a folder.
+CAMPAIGN = "campaign-"
 
 #: Inputs that differ by less than this share of the designs' largest value are one input.
 SAME = 1e-9
@@ -75,10 +80,12 @@ class Campaign(Carded):
         keep(self._runs.designs, self._runs.folder)
         self._journal = Journal(self._runs.journal).__enter__()
         self._end = weakref.finalize(self, self._journal.__exit__, None, None, None)
-        known = KnownRuns(self._journal.contents, self._runs.given, self._wanted).records
-        done = {key for key, one in known.items() if one.answers(self._wanted) and not one.lost}
-        self._open = {key: point for key, point in self._points.items() if key not in done}
+        self._shared, self._name = SharedFolder(self._runs.journal), CAMPAIGN + own_name()
+        self._seen = self._shared.segment_lengths()
+        self._open = dict(self._points)
+        self._drop_done(self._journal.contents)
         self._handed_out: set[str] = set()
+        self._presence: Presence | None = None
 
     @property
     def _card(self) -> Card:
@@ -105,25 +112,60 @@ class Campaign(Carded):
 
     def close(self) -> None:
         """Give the folder free; what was told is kept, what was handed out is asked for again."""
+        if self._presence is not None:
+            self._presence.end()
+            self._presence = None
         self._end()
 
     @property
     def left(self) -> int:
         """Number of points that have no answer yet, those handed out included."""
+        self._look_around()
         return len(self._open)
 
     def ask(self, n: int = 1) -> list[Point]:
         """The next `n` points without an answer, in the order of the designs; fewer at the end.
 
-        This campaign hands out no point twice. After a restart, points that were handed out
-        and have no answer are handed out again.
+        This campaign hands out no point twice, and none that a `surrogate work` on the folder
+        has done or is at. After a restart, points that were handed out and have no answer are
+        handed out again.
         """
         if n < 1:
             raise StudyError(f"n: {n} must be 1 or more")
+        self._look_around()
         waiting = (one for key, one in self._open.items() if key not in self._handed_out)
+        busy = set(at_work(self._runs.journal, self.study.shared.lease)) - {self._name}
+        if busy:
+            waiting = (one for one in waiting if self._claim(one.key, busy))
         points = list(islice(waiting, n))
         self._handed_out.update(point.key for point in points)
         return points
+
+    def _claim(self, key: str, busy: set[str]) -> bool:
+        """True when this campaign has the point from now on; busy: workers at work.
+
+        Claims of other campaigns are void: the lock of the journal says that they are over.
+        """
+        generation, owner = self._shared.last_claim(key)
+        if owner in busy and not str(owner).startswith(CAMPAIGN):
+            return False
+        self._presence = self._presence or Presence(
+            self._shared, self._name, self.study.shared.lease
+        )
+        return self._shared.claim(key, generation + 1, self._name)
+
+    def _look_around(self) -> None:
+        """Take over what workers that share the folder have finished since."""
+        lengths = self._shared.segment_lengths()
+        if lengths != self._seen:
+            self._seen = lengths
+            self._drop_done(self._shared.contents())
+
+    def _drop_done(self, journal: JournalContents) -> None:
+        known = KnownRuns(journal, self._runs.given, self._wanted).records
+        for key, record in known.items():
+            if record.answers(self._wanted) and not record.lost:
+                self._open.pop(key, None)
 
     def tell(
         self,

@@ -31,6 +31,7 @@ WAYS = (
     "hang",
     "hang_in_c",
     "child",
+    "greedy",
     "flaky",
 )
 
@@ -118,6 +119,12 @@ class Misbehaving:
         program = subprocess.Popen(["sleep", "1000"])
         Path(self.diary).write_text(str(program.pid))
         program.wait()
+
+    def _greedy(self, good):
+        """Hold 400 MB until somebody ends it."""
+        kept = np.ones(50_000_000)
+        time.sleep(1000)
+        return {**good, "square": kept.sum()}
 
     def _flaky(self, good):
         """Crash in the first attempt of a diary's life, raise in the second, answer then."""

@@ -15,10 +15,12 @@ from __future__ import annotations
 
 import os
 import tempfile
+import threading
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from surrogate.errors import ResultsError
 from surrogate.execution.clock import RunClock
 from surrogate.runs.files import write_text
 from surrogate.runs.journal import SEGMENTS, JournalContents, read
@@ -27,6 +29,9 @@ from surrogate.runs.writing import trouble
 #: Seconds without a sign of life after which a worker's runs are done by others. Longer than
 #: a network folder takes to show a change (60 s for NFS by default).
 LEASE = 120.0
+
+#: Signs of life in a lease.
+SIGNS = 10
 
 CLAIMS, WORKERS, ENDED = "claims", "workers", "ended"
 
@@ -66,6 +71,13 @@ class SharedFolder:
         except OSError as error:
             raise trouble(self.folder, error) from error
 
+    def last_claim(self, run: str) -> tuple[int, str | None]:
+        """Generation and worker of the last claim; -1 and None when nobody has claimed it."""
+        generation, owner = -1, None
+        while (later := self.owner(run, generation + 1)) is not None:
+            generation, owner = generation + 1, later
+        return generation, owner
+
     def show(self, worker: str, sign: str) -> None:
         """Give a sign of life."""
         write_text(self.folder / WORKERS / worker, sign)
@@ -81,6 +93,10 @@ class SharedFolder:
         with suppress(OSError):
             return (self.folder / SEGMENTS / f"{worker}.jsonl").stat().st_size
         return 0
+
+    def segment_lengths(self) -> dict[str, int]:
+        """Bytes of the records of each worker, by the name of their file."""
+        return {path.name: path.stat().st_size for path in (self.folder / SEGMENTS).glob("*.jsonl")}
 
     def contents(self) -> JournalContents:
         """The journal with all segments."""
@@ -111,6 +127,30 @@ class Watch:
             self._seen[which] = (sign, now)
             return False
         return now - since > self.lease
+
+
+class Presence:
+    """Signs of life of a worker that waits for others, from a thread of its own until `end`."""
+
+    def __init__(self, shared: SharedFolder, worker: str, lease: float = LEASE):
+        self.shared, self.worker = shared, worker
+        self._over = threading.Event()
+        words = (shared, worker, lease / SIGNS, self._over)
+        shared.show(worker, "0")
+        threading.Thread(target=_show_signs, args=words, daemon=True).start()
+
+    def end(self) -> None:
+        """Say that no more comes: others may do what this worker has not done."""
+        self._over.set()
+        self.shared.show(self.worker, f"{ENDED} 0")
+
+
+def _show_signs(shared: SharedFolder, worker: str, pause: float, over: threading.Event) -> None:
+    count = 0
+    while not over.wait(pause):
+        count += 1
+        with suppress(ResultsError):  # a full disk: the next sign may find room
+            shared.show(worker, str(count))
 
 
 def at_work(folder: Path, lease: float = LEASE) -> list[str]:

@@ -26,7 +26,7 @@ from surrogate.execution.execute import check, settled
 from surrogate.execution.executors.local import local
 from surrogate.execution.handle import Task
 from surrogate.execution.progress import Progress, Tally
-from surrogate.execution.shared.claims import ENDED, LEASE, SharedFolder, Watch
+from surrogate.execution.shared.claims import ENDED, LEASE, SIGNS, SharedFolder, Watch
 from surrogate.execution.stopping import Stop, stop_on_signals
 from surrogate.runs.identity import RunInputs, SolverSpec, keys, run_inputs
 from surrogate.runs.journal import LOCK, JournalContents, read
@@ -34,9 +34,6 @@ from surrogate.runs.lock import Lock
 from surrogate.runs.record import Record
 from surrogate.runs.segment import Segment
 from surrogate.runs.stored import KnownRuns, StoredMatches
-
-#: Signs of life in a lease.
-SIGNS = 10
 
 #: Seconds of work that a worker claims ahead, and most runs: they wait for it while others idle.
 AHEAD_SECONDS, MOST_AHEAD = 0.5, 400
@@ -146,7 +143,7 @@ class Member:
     before: Mapping[str, float]
     mine: dict[str, int] = field(default_factory=dict)
     theirs: dict[str, int] = field(default_factory=dict)
-    name: str = field(default_factory=lambda: _own_name())
+    name: str = field(default_factory=lambda: own_name())
     _signs: int = 0
     _signed: float | None = None
 
@@ -303,6 +300,7 @@ class _Worker:
         return max(places, min(MOST_AHEAD, int(AHEAD_SECONDS * places / max(mean, 1e-6))))
 
 
-def _own_name() -> str:
+def own_name() -> str:
+    """A name for a worker of this process that no other has."""
     host = "".join(c if c.isalnum() or c == "-" else "-" for c in socket.gethostname())
     return f"{host[:40]}-{os.getpid()}-{secrets.token_hex(3)}"

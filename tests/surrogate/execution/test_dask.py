@@ -14,6 +14,7 @@ from surrogate.errors import PluginError, SurrogateError
 from surrogate.execution.execute import execute
 from surrogate.execution.executors.dask import At, dask
 from surrogate.execution.executors.dask_runs import DaskRuns
+from surrogate.execution.memory import KNOWN
 from surrogate.runs.identity import SolverSpec
 from surrogate.runs.journal import read
 
@@ -96,7 +97,7 @@ def test_retries_are_counted_here(tmp_path, on_cluster):
     assert len(refused.read_text().splitlines()) == 1
 
 
-def test_limits_of_time_and_memory_hold_on_workers(tmp_path, on_cluster):
+def test_a_limit_of_time_holds_on_workers(tmp_path, on_cluster):
     tally = execute(
         spec(), {"x": [1.0, 2.0], "way": ["hang_in_c", "well"]},
         journal=tmp_path, executor=on_cluster, timeout=1.0,
@@ -104,6 +105,17 @@ def test_limits_of_time_and_memory_hold_on_workers(tmp_path, on_cluster):
     assert (tally.done, tally.failed) == (2, 1)
     message = {r.inputs["x"]: r.message for r in read(tmp_path).records.values()}
     assert message == {1.0: "stopped after 1 s, the time limit of a run", 2.0: ""}
+
+
+@pytest.mark.skipif(not KNOWN, reason="only Linux tells how much a run holds")
+def test_a_run_above_the_memory_limit_costs_itself_on_workers(tmp_path, on_cluster):
+    """The limit is that of a run, not of the dask worker, which lives on."""
+    columns = {"x": [1.0, 2.0, 3.0], "way": ["well", "greedy", "well"]}
+    tally = execute(spec(), columns, journal=tmp_path, executor=on_cluster, memory=300e6)
+    assert (tally.done, tally.failed) == (3, 1)
+    found = {r.inputs["x"]: (r.status, r.message) for r in read(tmp_path).records.values()}
+    assert found[2.0] == ("failed", "stopped above 0.3 GB, the memory limit of a run")
+    assert found[1.0] == found[3.0] == ("ok", "")
 
 
 def test_a_killed_dask_worker_costs_no_other_run(tmp_path, cluster, on_cluster):

@@ -76,7 +76,7 @@ def test_each_mishap_costs_its_own_run_and_says_what_happened(tmp_path, capfd):
             assert re.search(SENTENCES[way], record.message), record.message
             assert not record.outputs and not record.fields
     assert capfd.readouterr() == ("", "")
-    assert set(SENTENCES) | {"well", "child", "flaky"} == set(WAYS)
+    assert set(SENTENCES) | {"well", "child", "greedy", "flaky"} == set(WAYS)
 
 
 def test_runs_only_what_the_journal_lacks(tmp_path):

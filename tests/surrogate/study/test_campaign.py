@@ -17,6 +17,9 @@ import surrogate
 from surrogate import Study
 from surrogate.__main__ import main
 from surrogate.errors import ResultsError, SolverError, StudyError
+from surrogate.execution.shared.claims import ENDED, SharedFolder
+from surrogate.runs.record import Record
+from surrogate.runs.segment import Segment
 from surrogate.study.campaign import Campaign, Point
 
 STUDY = {
@@ -60,6 +63,36 @@ def measured(point):
 def finish(campaign):
     for point in campaign.ask(1000):
         campaign.tell(point, measured(point))
+
+
+def told_by(neighbour, folder, point, hardness):
+    """A record of a point in the segment of a `surrogate work`."""
+    record = Record(
+        point.key, point.inputs, "ok", "", 0.1, 1, 1.8e9, outputs={"hardness": hardness}
+    )
+    with Segment(folder, neighbour) as segment:
+        segment.append(record, {})
+
+
+def test_what_neighbours_have_done_or_are_at_is_not_handed_out(study):
+    """They came before the campaign and go on; they leave what it has handed out."""
+    with Campaign(study) as campaign:
+        first, second, third, *rest = campaign.ask(1000)
+    folder = study.journal()
+    shared = SharedFolder(folder)
+    with Campaign(study) as campaign:
+        shared.show("neighbour", "1")
+        told_by("neighbour", folder, first, 7.0)
+        assert shared.claim(second.key, 0, "neighbour")
+        assert [one.key for one in campaign.ask(1)] == [third.key]
+        assert campaign.left == len(rest) + 2
+        assert not shared.claim(third.key, 0, "neighbour")
+        shared.show("neighbour", f"{ENDED} 0")
+        assert [one.key for one in campaign.ask(1000)] == [second.key, *(p.key for p in rest)]
+        assert campaign.runs()["hardness"].values[0] == 7.0
+    with Campaign(study) as campaign:  # what the one before had handed out and nobody told
+        shared.show("another", "1")
+        assert [one.key for one in campaign.ask(2)] == [second.key, third.key]
 
 
 def test_every_point_is_handed_out_once_with_every_input(study):
