@@ -19,9 +19,17 @@ export function cholesky(matrix, n) {
 export function forward(lower, b, n) {
   for (let i = 0; i < n; i++) {
     const row = i * n;
-    let sum = b[i];
-    for (let k = 0; k < i; k++) sum -= lower[row + k] * b[k];
-    b[i] = sum / lower[row + i];
+    // Four sums that do not wait for each other.
+    let [sum, second, third, fourth] = [b[i], 0, 0, 0];
+    let k = 0;
+    for (; k + 3 < i; k += 4) {
+      sum -= lower[row + k] * b[k];
+      second -= lower[row + k + 1] * b[k + 1];
+      third -= lower[row + k + 2] * b[k + 2];
+      fourth -= lower[row + k + 3] * b[k + 3];
+    }
+    for (; k < i; k++) sum -= lower[row + k] * b[k];
+    b[i] = (sum + second + third + fourth) / lower[row + i];
   }
   return b;
 }

@@ -17,8 +17,9 @@ export function processes(models, factors) {
     alike.get(key)[1].push(factors[k]);
   });
   const groups = [...alike].map(([key, [some, own]]) => group(key, some, own));
-  return (points, size, mean, variance) =>
-    groups.forEach((predict) => predict(points, size, mean, variance));
+  const predict = (points, size, mean, variance) =>
+    groups.forEach((one) => one(points, size, mean, variance));
+  return Object.assign(predict, { cost: groups.reduce((sum, one) => sum + one.cost, 0) });
 }
 
 // Processes of the same runs, lengths and nugget are one process with added weights.
@@ -32,50 +33,50 @@ function group(key, models, factors) {
   const trend = addedTerms(models.map((model) => model.trend),
     models.map((model, k) => factors[k] * model.scale));
   const square = sum((model, f) => f * f * model.variance);
-  const centres = Array.from(lengths, (length, j) =>
-    Float64Array.from(runs, (row) => row[j] * (ROOT5 / length)));
+  const centres = new Float64Array(n * lengths.length);
+  runs.forEach((row, i) => lengths.forEach((length, j) => {
+    centres[i * lengths.length + j] = row[j] * (ROOT5 / length);
+  }));
   const product = new Float64Array(n);
 
-  return function predict(points, size, mean, variance) {
+  function predict(points, size, mean, variance) {
     const values = columnValues(columns, points, size);
     const power = powersOf(values, size);
     const trendOf = trend.map(([term]) => term.map(([j, q]) => power(j, q)));
     trend.forEach(([, coefficient], t) => addProduct(mean, coefficient, trendOf[t], size));
     const known = variance && keptFor(runs, key, () =>
       factored(runs, centres, trend.map(([term]) => term), nugget));
-    const place = new Float64Array(centres.length);
+    const place = new Float64Array(lengths.length);
     for (let i = 0; i < size; i++) {
       for (let j = 0; j < place.length; j++) place[j] = values[j][i] * (ROOT5 / lengths[j]);
-      correlate(place, centres, product);
-      let total = offset;
-      for (let k = 0; k < n; k++) total += weights[k] * product[k];
-      mean[i] += total;
+      mean[i] += offset + correlate(place, centres, weights, product);
       if (!variance) continue;
       const row = trendOf.map((own) => own.reduce((value, factor) => value * factor[i], 1));
       variance[i] += square * unexplained(known, product, row, nugget, 3 ** lengths.length);
     }
-  };
+  }
+  return Object.assign(predict, { cost: n * lengths.length });
 }
 
-// 3^c times the correlations (n,) of one scaled place with scaled centres, one array a column.
-function correlate(place, centres, product) {
+// 3^c times the correlations (n,) of a scaled place (c,) with scaled centres, flat (n, c), and
+// their sum by weights (n,).
+function correlate(place, centres, weights, product) {
   const n = product.length;
-  const total = correlate.total.length === n ? correlate.total : new Float64Array(n);
-  correlate.total = total;
-  total.fill(0);
-  product.fill(1);
-  for (let j = 0; j < centres.length; j++) {
-    const centre = centres[j];
-    const x = place[j];
-    for (let k = 0; k < n; k++) {
-      const s = Math.abs(x - centre[k]);
-      total[k] += s;
-      product[k] *= (s + 3) * s + 3;
+  const c = place.length;
+  let sum = 0;
+  for (let k = 0, at = 0; k < n; k++) {
+    let total = 0;
+    let value = 1;
+    for (let j = 0; j < c; j++, at++) {
+      const s = Math.abs(place[j] - centres[at]);
+      total += s;
+      value *= (s + 3) * s + 3;
     }
+    product[k] = value * Math.exp(-total);
+    sum += weights[k] * product[k];
   }
-  for (let k = 0; k < n; k++) product[k] *= Math.exp(-total[k]);
+  return sum;
 }
-correlate.total = new Float64Array(0);
 
 // Variance of a new run, that of the process being 1; `product` is overwritten.
 function unexplained({ lower, solved, gain }, product, row, nugget, unit) {
@@ -96,11 +97,12 @@ function unexplained({ lower, solved, gain }, product, row, nugget, unit) {
 // Cholesky factor of the runs' correlations R, R^-1 F and (F' R^-1 F)^-1 of the trend's F.
 function factored(runs, centres, terms, nugget) {
   const n = runs.length;
-  const unit = 3 ** centres.length;
+  const c = centres.length / n;
+  const unit = 3 ** c;
   const matrix = new Float64Array(n * n);
   for (let i = 0; i < n; i++) {
     const row = matrix.subarray(i * n, (i + 1) * n);
-    correlate(centres.map((centre) => centre[i]), centres, row);
+    correlate(centres.subarray(i * c, (i + 1) * c), centres, row, row);
     for (let k = 0; k < n; k++) row[k] /= unit;
     row[i] = 1 + nugget;
   }

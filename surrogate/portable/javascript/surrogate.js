@@ -31,18 +31,20 @@ function isMapping(value) {
 function atPlace(model, place) {
   const amplitudes = model.amplitudes.map((own) => completed(model.common ?? {}, own));
   const modes = combination(amplitudes, model.modes.map((mode) => mode[place]));
-  return (points, size, mean, variance) => {
+  const add = (points, size, mean, variance) => {
     modes(points, size, mean, variance);
     for (let i = 0; i < size; i++) {
       mean[i] += model.mean[place];
       if (variance) variance[i] += model.left_out[place] ** 2;
     }
   };
+  return Object.assign(add, { cost: modes.cost });
 }
 
 // The surrogate of a document whose numbers are unpacked; `place` matters to a field only.
 //   predict(points, size, spread)  {mean, deviation, half} of points given as one array (size,)
 //                                  a coordinate; without `spread` only the mean
+//   cost                           correlations of one coordinate that a mean takes
 //   below(limit, mean, deviation)  probability of a value below the limit, given the error
 export function surrogate(document, place = 0) {
   const { model, error } = document;
@@ -68,5 +70,5 @@ export function surrogate(document, place = 0) {
     return studentCdf((limit - mean) / scale, error.freedom);
   }
 
-  return { predict, below };
+  return { predict, below, cost: add.cost ?? 0 };
 }

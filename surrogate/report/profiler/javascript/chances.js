@@ -39,9 +39,9 @@ export function chances(data, state, ask, fail) {
 
   function told(found, held) {
     const kept = data.parameters.filter((_, j) => held[j]).map((one) => one.name);
-    const n = found[0] ? found[0].n : 0;
-    const count = String(n).replace(/\B(?=(\d{3})+$)/g, "\u202f");
-    said.textContent = n ? `${count} points by the laws of the study, `
+    const counts = [...new Set(found.map((own) => (own ? own.n : 0)))].sort((a, b) => b - a);
+    const count = counts.map((n) => String(n).replace(/\B(?=(\d{3})+$)/g, "\u202f")).join(" or ");
+    said.textContent = counts[0] ? `${count} points by the laws of the study, `
       + `${kept.length ? `${kept.join(", ")} held where the sliders stand` : "no parameter held"}`
       + `${data.correlation ? ", correlations kept" : ""}`
       + `${data.constraints.length ? ", constraints kept" : ""}. Values are the surrogates' `

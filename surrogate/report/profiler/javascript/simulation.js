@@ -4,6 +4,9 @@ import { generator } from "./random.js";
 
 const BATCH = 4096;
 const BINS = 60;
+// Correlations that the means of one output may take, and draws that it has at least.
+const BUDGET = 6e8;
+const FEWEST = 10000;
 // Batches without enough points inside of the constraints before the search for more ends.
 const LEAST_SHARE = 1e-3;
 
@@ -67,17 +70,25 @@ function* allowedPoints(study, held, draws, random) {
 // Summaries of outputs; `pause` lets other work through and says how far this has come.
 export async function simulate(study, models, { held, draws, seed, limits }, pause) {
   const random = generator(seed);
-  const values = models.map(() => new Float64Array(draws));
+  const most = models.map(({ cost }) => Math.min(draws, Math.max(FEWEST, Math.floor(BUDGET / cost))));
+  const values = most.map((count) => new Float64Array(count));
+  const filled = models.map(() => 0);
   let done = 0;
   let since = performance.now();
   for (const points of allowedPoints(study, held, draws, random)) {
     const size = points[0].length;
-    models.forEach((model, k) => values[k].set(model.predict(points, size, false).mean, done));
+    models.forEach((model, k) => {
+      const count = Math.min(size, values[k].length - filled[k]);
+      if (count <= 0) return;
+      values[k].set(model.predict(points, count, false).mean, filled[k]);
+      filled[k] += count;
+    });
     done += size;
     if (performance.now() - since > 40) {
       await pause(done / draws);
       since = performance.now();
     }
   }
-  return models.map((_, k) => (done > 1 ? summary(values[k].subarray(0, done), limits[k]) : null));
+  return models.map((_, k) =>
+    (done > 1 ? summary(values[k].subarray(0, filled[k]), limits[k]) : null));
 }
