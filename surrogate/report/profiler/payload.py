@@ -148,7 +148,7 @@ def _output(content: Content, one: Chosen) -> dict[str, Any]:
 def _thinned(content: Content, one: Chosen) -> tuple[dict[str, Any], dict[str, Any]]:
     """The document of a field at `PLACES` of its places a dimension, and those places."""
     shape = one.fit.values.shape[1:]
-    stations = _stations(shape)
+    stations = field_stations(shape)
     kept = np.ravel_multi_index(np.meshgrid(*stations, indexing="ij"), shape).ravel()
     model, error = one.document["model"], one.document["error"]
     thin = {
@@ -167,7 +167,7 @@ def _thinned(content: Content, one: Chosen) -> tuple[dict[str, Any], dict[str, A
     return document, {"axes": axes, "shape": kept_shape}
 
 
-def _stations(shape: tuple[int, ...]) -> list[NDArray[np.intp]]:
+def field_stations(shape: tuple[int, ...]) -> list[NDArray[np.intp]]:
     """Places along each dimension of a field, evenly from its first to its last."""
     return [
         np.unique(np.linspace(0, size - 1, min(size, PLACES)).round().astype(np.intp))

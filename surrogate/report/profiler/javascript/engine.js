@@ -48,7 +48,7 @@ export function engine(data) {
   function places(j) {
     const { allowed, coding, ends } = data.parameters[j];
     if (coding.kind === "levels") return coding.levels;
-    if (allowed && allowed.length <= POINTS) return allowed;
+    if (allowed && allowed.length <= POINTS) return Array.from(allowed);
     const [low, high] = ends;
     const even = Array.from({ length: POINTS }, (_, k) =>
       (k === POINTS - 1 ? high : low + (high - low) * k / (POINTS - 1)));
