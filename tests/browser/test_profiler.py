@@ -5,10 +5,12 @@ from __future__ import annotations
 import shlex
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from made_up import make
 
 from surrogate import report
@@ -51,6 +53,7 @@ def explored(
 ) -> Callable[[str], Explored]:
     """Reports by name: two shipped studies, and `mixed` inputs joined by a copula."""
 
+    @cache
     def of(name: str) -> Explored:
         if name == "mixed":
             content = make(MIXED, outputs=("pressure_b1", "slope"), sensitivity=False)
@@ -162,8 +165,6 @@ def test_typed_values_and_extrapolation(explored, open_page):
 
 def test_copied_command_gives_the_shown_numbers(explored, open_page):
     """`surrogate predict` with the copied words, and constants that YAML reads back."""
-    import yaml
-
     one = explored("bandage_laplace")
     page = open_page(one.path).page
     page.locator('.control[data-parameter="alpha1"] input[type=range]').press("PageDown")
@@ -183,8 +184,11 @@ def test_copied_command_gives_the_shown_numbers(explored, open_page):
     assert [str(value) for value in constants.values()] == found["values"]
 
 
-def test_target_search_moves_the_sliders(explored, open_page):
-    """A pressure is reached with one parameter held; Python agrees at the point found."""
+def test_target_search_moves_the_sliders(explored, open_page, tmp_path):
+    """A pressure is reached with one parameter held; Python agrees at the point found.
+
+    The goals that are copied are those of a study file.
+    """
     one = explored("bandage_laplace")
     opened = open_page(one.path)
     page = opened.page
@@ -202,6 +206,22 @@ def test_target_search_moves_the_sliders(explored, open_page):
     compare(one, found)
     assert float(found["outputs"]["pressure_b1"]["mean"]) == pytest.approx(34.0, abs=1e-5)
     assert found["values"][2] == start["values"][2] and found["values"] != start["values"]
+    radius = page.locator('.goals tr[data-output="curvature_radius"]')
+    radius.get_by_label("goal of curvature_radius").select_option("limits")
+    radius.get_by_label("from").fill("40")
+    radius.get_by_label("to").fill("")
+    page.get_by_role("button", name="Copy as YAML").click()
+    fragment = page.get_by_label("Copied").input_value()
+    copied = (
+        STUDIES.joinpath("bandage_laplace.yaml").read_text() + fragment[fragment.index("solve:") :]
+    )
+    (tmp_path / "goals.yaml").write_text(copied)
+    assert yaml.safe_load(copied)["solve"]["explored"] == {
+        "desirability": {"pressure_b1": {"target": [30, 34, 35]}},
+        "subject_to": ["curvature_radius >= 40 mm"],
+        "fix": {"leg_length": float(start["values"][2])},
+    }
+    assert "explored" in Study.from_yaml(tmp_path / "goals.yaml").problems
     assert opened.said == []
 
 

@@ -134,6 +134,7 @@ def _output(content: Content, one: Chosen) -> dict[str, Any]:
     q2 = content.q2(one.surrogate, one.output)
     return {
         "name": one.output,
+        "unit": content.unit(one.output),
         "shown_unit": digits.unit(content.unit(one.output)),
         "surrogate": one.surrogate,
         "best": one.best,

@@ -25,8 +25,32 @@ export function constants({ parameters }, values) {
   return ["constants:", ...lines, ""].join("\n");
 }
 
-// Buttons that copy, and show what they have copied.
-export function copying(data, state) {
+// The goals as `solve:` of a study file; limits are what the others are subject to.
+export function solve({ parameters, outputs }, values, held, goals) {
+  const words = { maximise: ({ low, high }) => [low, high], minimise: ({ low, high }) => [low, high],
+    target: ({ low, target, high }) => [low, target, high] };
+  const [worth, limits] = [[], []];
+  goals.forEach((goal, k) => {
+    if (!goal) return;
+    const { name, unit } = outputs[k];
+    const limit = (sign, value) => limits.push(`"${name} ${sign} ${value}${unit ? ` ${unit}` : ""}"`);
+    if (goal.kind === "limits") {
+      if (goal.low > -Infinity) limit(">=", goal.low);
+      if (goal.high < Infinity) limit("<=", goal.high);
+      return;
+    }
+    const importance = goal.weight === 1 ? "" : `, importance: ${goal.weight}`;
+    worth.push(`      ${name}: {${goal.kind}: [${words[goal.kind](goal).join(", ")}]${importance}}`);
+  });
+  const fixed = parameters.flatMap(({ name }, j) => (held[j]
+    ? [`${name}: ${typeof values[j] === "number" ? values[j] : JSON.stringify(values[j])}`] : []));
+  return ["solve:", "  explored:", ...(worth.length ? ["    desirability:", ...worth] : []),
+    ...(limits.length ? [`    subject_to: [${limits.join(", ")}]`] : []),
+    ...(fixed.length ? [`    fix: {${fixed.join(", ")}}`] : []), ""].join("\n");
+}
+
+// Buttons that copy, and show what they have copied; asked() gives the goals.
+export function copying(data, state, asked) {
   const shown = el("textarea", { readonly: true, rows: 2, hidden: true, "aria-label": "Copied" });
   const said = el("span", { class: "said", role: "status" });
 
@@ -44,6 +68,11 @@ export function copying(data, state) {
   }
   const button = (words, text) => el("button", { type: "button",
     click: () => copy(text(data, state.get().values)) }, words);
-  return { buttons: [button("Copy as YAML", constants), button("Copy as command", commands)],
+  const yaml = (_, values) => {
+    const goals = asked().map((goal) => (typeof goal === "string" ? null : goal));
+    return constants(data, values)
+      + (goals.some(Boolean) ? solve(data, values, state.get().held, goals) : "");
+  };
+  return { buttons: [button("Copy as YAML", yaml), button("Copy as command", commands)],
     said, shown };
 }

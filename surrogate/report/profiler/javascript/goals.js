@@ -71,7 +71,7 @@ export function goals(data, state, ask, fail) {
       goals: JSON.stringify(asked) });
   }
 
-  return { title: "Target search", root };
+  return { title: "Target search", root, asked: () => rows.map((one) => one.goal()) };
 }
 
 function percent(share) {

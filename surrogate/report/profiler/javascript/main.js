@@ -22,10 +22,11 @@ function start(root) {
     warned.className = "where warning";
     warned.textContent = `The profiler stopped: ${error.message}.`;
   };
-  const copies = copying(data, state);
   const rows = matrix(data, state);
-  const parts = [contour(data, state, ask, fail), goals(data, state, ask, fail),
-    chances(data, state, ask, fail)].filter(Boolean);
+  const aims = goals(data, state, ask, fail);
+  const copies = copying(data, state, aims.asked);
+  const parts = [contour(data, state, ask, fail), aims, chances(data, state, ask, fail)]
+    .filter(Boolean);
   const more = tabs(parts);
   root.append(
     el("div", { class: "bar" }, warned, ...copies.buttons,
