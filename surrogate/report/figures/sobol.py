@@ -116,7 +116,7 @@ def _bar(x: Scale, y: float, bars: Bars, k: int, name: str, thick: float = BAR) 
 
 
 def part_bars(names: Sequence[str], total: Mapping[str, np.ndarray]) -> Plot:
-    """Half-widths of the total index's interval: sampling (dark) and surrogate (light)."""
+    """Half-widths of the total index's interval: sampling (filled) and surrogate (outlined)."""
     nothing = np.full(len(names), np.nan)
     order = np.argsort(-np.nan_to_num(total["value"], nan=-np.inf), kind="stable")
     series = [

@@ -80,7 +80,7 @@ def _caption(table: xr.Dataset, found: list[Found]) -> str:
     told = (
         "Shares of the groups"
         if len(found) == 1
-        else "Dark: closed index (the group alone). Light: total index (with its interactions "
+        else "Filled: closed index (the group alone). Outlined: total index (with its interactions "
         "with other parameters)"
     )
     return f"{told}. Whiskers: {confidence} intervals."

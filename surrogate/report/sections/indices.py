@@ -103,7 +103,7 @@ def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list
             Figure(
                 interaction_map(names, second["value"], second["low"], second["high"], output),
                 "Second-order indices: share of the variance due to the interaction of each pair. "
-                "Darker is larger.",
+                "The stronger the colour, the larger.",
                 stamp=stamp,
             )
         )
@@ -131,7 +131,7 @@ def _bars_caption(table: xr.Dataset, freeze_below: float | None) -> str:
         else ""
     )
     return (
-        f"Dark: first-order index (main effect). Light: total index (with all "
+        f"Filled: first-order index (main effect). Outlined: total index (with all "
         f"interactions). Whiskers: {confidence} intervals.{line}"
     )
 
@@ -139,11 +139,15 @@ def _bars_caption(table: xr.Dataset, freeze_below: float | None) -> str:
 def _parts_caption(table: xr.Dataset, total: Index) -> str:
     told = str(table.attrs.get("surrogate_part", ""))
     how = told.partition(";")[0] + (" and its missed variance" if "missed variance" in told else "")
-    exact = not np.nan_to_num(total["sampling"]).any()
-    sampling = "closed form, no sampling" if exact else "from the finite sample"
+    surrogate = f"error of the surrogate{f' ({how})' if how else ''}"
+    if "sampling" not in _parts(total):
+        return (
+            f"Half-width of the intervals of the total indices: {surrogate}. The indices have a "
+            "closed form and no sampling error."
+        )
     return (
-        f"The two parts of the intervals of the total indices. Dark: sampling error "
-        f"({sampling}). Light: error of the surrogate{f' ({how})' if how else ''}."
+        "The two parts of the intervals of the total indices. Filled: sampling error, from the "
+        f"finite sample. Outlined: {surrogate}."
     )
 
 

@@ -22,6 +22,7 @@ def section(content: Content) -> Section:
         blocks.append(Answer(tuple(verdict(content, output) for output in content.outputs)))
     if content.screening is not None and len(content.outputs) > 1:
         blocks.append(Text(f"For all outputs: {decided(content.screening)}", "lead"))
+    blocks += [Text(f"Goal {name}: {found}", "lead") for name, found in content.solve.items()]
     if content.validation is not None:
         blocks += [
             Text(f"Validation of {output}: closest is {model}. {how}")

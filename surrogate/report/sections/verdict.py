@@ -12,6 +12,7 @@ from surrogate.fitting.fit import Fit
 from surrogate.report import digits
 from surrogate.report.blocks import Figure, Verdict, anchor
 from surrogate.report.content import POOR_Q2, Content
+from surrogate.report.figures.candidates import candidates_plot
 from surrogate.report.figures.freezing import freezing_plot
 from surrogate.report.figures.parity import parity_plot
 from surrogate.report.figures.responses import response_plot
@@ -20,7 +21,9 @@ from surrogate.report.parity import parity
 from surrogate.report.sections.accuracy import TEST, held_out
 from surrogate.report.sections.indices import DECIMALS, STAMP, of_output, refusal
 from surrogate.report.sections.measures import index, measures_of, names_of, unit_of
+from surrogate.report.sections.solve import goal
 from surrogate.sensitivity.importance import TOTAL
+from surrogate.solving.solution import chance
 
 #: Errors below this share of the output's spread are rounding.
 ROUNDING = 1e-9
@@ -56,7 +59,9 @@ def verdict(content: Content, output: str) -> Verdict:
         for figure in (
             _how_good(content, output, best),
             _what_matters(content, output),
-            _what_may_be_frozen(content, output) or _how_it_responds(content, output, best),
+            _which_inputs(content, output)
+            or _what_may_be_frozen(content, output)
+            or _how_it_responds(content, output, best),
         )
         if figure is not None
     ]
@@ -277,7 +282,7 @@ def _what_matters(content: Content, output: str) -> Figure | None:
     label = "share of the variance (–)" if shares else digits.labelled(next(iter(shown)), unit)
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
     what = (
-        "Sobol' indices. Dark: first order; light: total."
+        "Sobol' indices. Filled: first order; outlined: total."
         if len(shown) == 2
         else f"{next(iter(shown.values()))}."
     )
@@ -290,6 +295,22 @@ def _what_matters(content: Content, output: str) -> Figure | None:
         f"{what}{bars}",
         stamp=STAMP if refused else "",
         question="What matters?",
+    )
+
+
+def _which_inputs(content: Content, output: str) -> Figure | None:
+    """The candidates of the first goal that names the output; nothing without one."""
+    found = {name: one for name, one in content.solve.items() if output in one.surrogates}
+    if not found:
+        return None
+    name, solution = next(iter(found.items()))
+    return Figure(
+        candidates_plot(
+            content.space, solution.candidates, f"Inputs that reach {name}", height=HEIGHT
+        ),
+        f"{goal(solution)} Filled: the best candidate, met with "
+        f"{chance(solution.candidates[0].probability)}; open: the others.",
+        question="Which inputs reach the goal?",
     )
 
 

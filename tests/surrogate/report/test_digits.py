@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -108,3 +109,28 @@ def test_listing():
     assert digits.listing("abc") == "a, b and c"
     assert digits.listing("abcdef", 3) == "a, b, c and 3 more"
     assert digits.listing("abcd", 3) == "a, b, c and d"
+
+
+def test_decimal_points_stand_below_each_other():
+    """Set flush right, with spaces as wide as a digit and as a point for what is missing."""
+    column = ["0.5", "12", "\N{MINUS SIGN}3.25", digits.NOTHING]
+    wide = digits.FIGURE_SPACE
+    assert digits.aligned(column) == [
+        f"0.5{wide}", f"12{digits.POINT_SPACE}{wide * 2}", "\N{MINUS SIGN}3.25", digits.NOTHING,
+    ]  # fmt: skip
+    behind = [
+        len(word) - re.search(r"[.\u2008]", word).start() for word in digits.aligned(column)[:3]
+    ]
+    assert set(behind) == {3}
+
+
+def test_every_number_of_a_pattern_is_aligned():
+    """Values, ends and units; words of several patterns are left alone."""
+    told = digits.aligned(["0.71 (0.69 to 0.73) m", "12.5 (9.25 to 16) m"])
+    assert len(told[0]) - told[0].index(".") == len(told[1]) - told[1].index(".")
+    assert [" ".join(word.split()) for word in told] == [
+        "0.71 (0.69 to 0.73) m", "12.5 (9.25 to 16 ) m",
+    ]  # fmt: skip
+    mixed = ["1.5 ms", "2 s"]
+    assert digits.aligned(mixed) == mixed
+    assert digits.aligned([]) == [] and digits.aligned(["yes", "no"]) == ["yes", "no"]
