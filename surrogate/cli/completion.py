@@ -61,6 +61,16 @@ def surrogates(ctx: typer.Context, incomplete: str) -> list[str]:
     return [name for name in _section(ctx, "surrogates") if name.startswith(incomplete)]
 
 
+def goals(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Names of the goals that the study solves for."""
+    return [name for name in _section(ctx, "solve") if name.startswith(incomplete)]
+
+
+def parameter_names(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Names of the study's parameters."""
+    return [name for name in _section(ctx, "parameters") if name.startswith(incomplete)]
+
+
 def parameters(ctx: typer.Context, incomplete: str) -> list[str]:
     """`NAME=` of each parameter that has no value yet, and the word with a value in its middle.
 

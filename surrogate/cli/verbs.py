@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from surrogate.cli import completion
 from surrogate.cli.ending import carried_out, stop
 from surrogate.cli.options import AsJson, Quiet, Results, RetryFailed, StudyFile, Surrogate, Values
 from surrogate.cli.retrying import RetryingCommand, chosen
@@ -252,7 +253,12 @@ def predict(
 def solve(
     study: StudyFile,
     goal: Annotated[
-        str | None, typer.Argument(metavar="[GOAL]", help="A goal of the study's solve:.")
+        str | None,
+        typer.Argument(
+            metavar="[GOAL]",
+            help="A goal of the study's solve:.",
+            autocompletion=completion.goals,
+        ),
     ] = None,
     target: Annotated[
         list[str] | None, typer.Option(metavar="OUT=VALUE", help="A value to hit.")
@@ -267,13 +273,26 @@ def solve(
         list[str] | None, typer.Option(metavar="'A <= B'", help="What must hold.")
     ] = None,
     fix: Annotated[
-        list[str] | None, typer.Option(metavar="NAME=VALUE", help="Hold a parameter.")
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=VALUE", help="Hold a parameter.", autocompletion=completion.parameters
+        ),
     ] = None,
     free: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Choose this one; default: all.")
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Choose this one; default: all.",
+            autocompletion=completion.parameter_names,
+        ),
     ] = None,
     uncertain: Annotated[
-        list[str] | None, typer.Option(metavar="NAME", help="Nobody controls this one.")
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Nobody controls this one.",
+            autocompletion=completion.parameter_names,
+        ),
     ] = None,
     probability: Annotated[
         float | None, typer.Option(min=0.01, max=0.9999, help="How surely; default: 0.9.")

@@ -15,6 +15,7 @@ parameters:
   Hu: {values: [990, 1000, 1110]}
   fabric: {levels: [soft, stiff]}
 surrogates: {gp: gaussian_process, linear: linear}
+solve: {thick: {target: {flow: 70}}, thin: {target: {flow: 60}}}
 """
 
 
@@ -81,6 +82,12 @@ def test_parameters_of_predict_that_have_no_value_yet(folder):
     ]
     assert bash(folder, "predict", "first.yaml", "rw=0.1", "r") == []
     assert bash(folder, "predict", "first.yaml", "rw", "=", "0.1", "r") == []
+
+
+def test_goals_and_parameters_of_solve(folder):
+    assert bash(folder, "solve", "first.yaml", "th") == ["thick", "thin"]
+    assert bash(folder, "solve", "first.yaml", "--fix", "r") == ["rw=", "rw=0.1"]
+    assert bash(folder, "solve", "first.yaml", "--free", "") == ["rw", "L", "Hu", "fabric"]
 
 
 def test_zsh_and_fish(folder):

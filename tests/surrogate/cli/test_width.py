@@ -4,10 +4,11 @@ import re
 import sys
 
 import pytest
+import typer
 
 from surrogate.cli import browsing
 from surrogate.cli.table import Table, wrapped
-from surrogate.cli.verbs import main
+from surrogate.cli.verbs import app, main
 
 LONG = "a_name_that_somebody_liked_to_be_as_clear_as_it_can_be"
 STUDY = f"""\
@@ -35,6 +36,7 @@ VERBS = {
     "status": (["status", "wide.yaml"], True),
     "report": (["report", "wide.yaml"], False),
     "predict": (["predict", "wide.yaml", *AT], True),
+    "solve": (["solve", "wide.yaml", "--target", "flow=70"], True),
     "validate": (["validate", "wide.yaml"], True),
     "store": (["store", "wide.yaml"], False),
     "dossier": (["dossier", "wide.yaml"], False),
@@ -85,6 +87,14 @@ def command(monkeypatch, capsys, place):
         return printed
 
     return carry_out
+
+
+def test_every_verb_is_looked_at_and_takes_quiet():
+    """All but serve, which does not end, and schema, which prints JSON."""
+    verbs = typer.main.get_command(app).commands
+    assert {*verbs} - {"serve", "schema"} <= {*VERBS}
+    for name, verb in verbs.items():
+        assert "--quiet" in {word for one in verb.params for word in one.opts}, name
 
 
 @pytest.mark.parametrize("verb", VERBS)
