@@ -214,7 +214,8 @@ class Dossier:
                 value, place = self._figures.at("comparison", key, i, j)
                 if value is not None:
                     claim = f"{output}, surrogate {name}: {words}"
-                    shown = digits.with_unit(digits.figure(value), self._unit(output, key))
+                    number = digits.score(value) if key.startswith("q2") else digits.figure(value)
+                    shown = digits.with_unit(number, self._unit(output, key))
                     yield Evidence(claim, shown, self._run, place)
 
     def _unit(self, output: str, key: str) -> str:

@@ -50,16 +50,22 @@ class Chapter:
             yield Points(tuple(f"MISSING: {words}" for words in self.missing), "warning")
         if self.findings:
             yield Points(tuple(self.findings))
-        if self.evidence:
+        for command, evidence in self._by_command.items():
             yield Table(
-                "Each figure, the command that makes it again, and where it lies.",
-                heads("claim", "result", "command", "place", names=4),
+                f"Made again by: {command}" if command else "Stated in the study file.",
+                heads("claim", "result", "place", names=3),
                 tuple(
-                    tuple(Cell(words or digits.NOTHING) for words in _row(one))
-                    for one in self.evidence
+                    tuple(Cell(words or digits.NOTHING) for words in _row(one)) for one in evidence
                 ),
-                wide=True,
             )
+
+    @property
+    def _by_command(self) -> dict[str, list[Evidence]]:
+        """The evidence of each command, in order."""
+        found: dict[str, list[Evidence]] = {}
+        for one in self.evidence:
+            found.setdefault(one.command, []).append(one)
+        return found
 
     def markdown(self) -> str:
         """As a chapter in Markdown."""
@@ -68,15 +74,15 @@ class Chapter:
             parts.append("\n".join(f"- **MISSING:** {words}" for words in self.missing))
         if self.findings:
             parts.append("\n".join(f"- {words}" for words in self.findings))
-        if self.evidence:
-            rows = [("claim", "result", "command", "place"), ("---",) * 4]
-            rows += [_row(one) for one in self.evidence]
+        for command, evidence in self._by_command.items():
+            parts.append(f"`{command}`" if command else "Stated in the study file.")
+            rows = [("claim", "result", "place"), ("---",) * 3, *map(_row, evidence)]
             parts.append("\n".join(f"| {' | '.join(map(_cell, row))} |" for row in rows))
         return "\n\n".join(parts)
 
 
-def _row(one: Evidence) -> tuple[str, str, str, str]:
-    return one.claim, one.result, one.command, one.place
+def _row(one: Evidence) -> tuple[str, str, str]:
+    return one.claim, one.result, one.place
 
 
 def _cell(words: str) -> str:
