@@ -86,8 +86,7 @@ def execute(
     runs = dict(zip(keys(spec, asked), asked, strict=True))
     opened = nullcontext(journal) if isinstance(journal, Journal) else Journal(journal)
     with opened as book:
-        known = KnownRuns(book.contents, given, wanted).records
-        missing = [key for key in runs if not settled(known.get(key), wanted, timeout, rerun)]
+        missing = to_do(runs, KnownRuns(book.contents, given, wanted), timeout, rerun)
         missing = _adopt(book, missing, wanted, others)
         queue = deque(Task(key, runs[key]) for key in missing)
         if executor is None:
@@ -140,6 +139,18 @@ def check(
     mistakes += wrong_reruns(rerun)
     if mistakes:
         raise StudyError(*mistakes)
+
+
+def to_do(
+    runs: Iterable[str], known: KnownRuns, timeout: float | None, rerun: Iterable[str]
+) -> list[str]:
+    """Keys of the runs to be done (again); a row of a table has no call that could be repeated."""
+    return [
+        key
+        for key in runs
+        if not settled(known.records.get(key), known.wanted, timeout, rerun)
+        and not known.origin(key)
+    ]
 
 
 def settled(

@@ -22,7 +22,7 @@ from surrogate.errors import Mistake, ResultsError
 from surrogate.execution.attempts import finished_runs
 from surrogate.execution.backend import RunSettings, cores
 from surrogate.execution.clock import TICK
-from surrogate.execution.execute import check, settled
+from surrogate.execution.execute import check, to_do
 from surrogate.execution.executors.local import local
 from surrogate.execution.handle import Task
 from surrogate.execution.progress import Progress, Tally
@@ -91,8 +91,8 @@ def work(
     runs = dict(zip(keys(spec, asked), asked, strict=True))
     shared = shared or SharedFolder(Path(journal))
     _keep_clear_of_a_run(shared.folder)
-    known = KnownRuns(shared.contents(), given, wanted).records
-    missing = [key for key in runs if not settled(known.get(key), wanted, timeout, rerun)]
+    found = KnownRuns(shared.contents(), given, wanted)
+    known, missing = found.records, to_do(runs, found, timeout, rerun)
     places = min(workers or cores(), max(1, len(missing)))
     settings = RunSettings(spec, wanted, places, threads, timeout, memory, retries)
     tally = Tally(Progress(len(runs)), places, progress or (lambda _: None))

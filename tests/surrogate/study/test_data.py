@@ -155,6 +155,26 @@ def test_some_outputs_missing_keep_the_others(tmp_path):
     assert runs["y2"].values[1] == 5.0 and np.isnan(runs["y1"].values[1])
 
 
+def test_a_failed_row_beside_a_solver_is_not_done_again(tmp_path):
+    """A test that failed in the laboratory has no call that the solver could repeat."""
+    (tmp_path / "t.csv").write_text("X1,X2,X3,y\n1,1,1,5\n2,1,0,\n-1,0,2,7\n")
+    text = """\
+study: t
+solver: ishigami
+data: {file: t.csv, outputs: [y]}
+parameters: {X1: [-3, 3], X2: [-3, 3], X3: [-3, 3]}
+designs: {more: {method: halton, runs: 2}}
+execution: {executor: serial}
+"""
+    study = study_of(tmp_path, text)
+    for again in (False, True, ["failed"]):
+        runs = study.run(results=tmp_path / "r", retry_failed=again)
+        assert runs["status"].values.tolist().count("failed") == 1
+        failed = runs.isel(run=np.flatnonzero(runs["status"] == "failed")[0])
+        assert failed["origin"] == "t.csv, row 3"
+        assert (runs["status"] == "ok").sum() == 4
+
+
 @pytest.mark.parametrize("kind", ["fit", "data"])
 def test_laws_from_a_column(tmp_path, kind):
     """A lognormal sample gives back its mean; the fit names the law."""
