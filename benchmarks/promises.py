@@ -4,12 +4,13 @@
     python benchmarks/promises.py --each 50 --surrogate chaos
 
 Eight functions of the literature stand for the solver. Each promise has its own training design
-(a Latin hypercube of five runs an input), limit and probability: a linear cost of the inputs is
-minimised such that the output stays below a limit with probability p, p between 0.5 and 0.95. The
-limit is active at the answer, so the search goes where the surrogate errs on the pleasant side: a
-hard case. A promise is kept when the function meets the limit at the first candidate. If stated
-probabilities are true, the number of promises kept lies in the central 99 % of the sum of Bernoulli
-variables with these probabilities (normal approximation with continuity correction).
+(a Latin hypercube of five runs an input, at least 20 and ten more than the surrogate needs), limit
+and probability: a linear cost of the inputs is minimised such that the output stays below a limit
+with probability p, p between 0.5 and 0.95. The limit is active at the answer, so the search goes
+where the surrogate errs on the pleasant side: a hard case. A promise is kept when the function
+meets the limit at the first candidate. If stated probabilities are true, the number of promises
+kept lies in the central 99 % of the sum of Bernoulli variables with these probabilities (normal
+approximation with continuity correction).
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ import numpy as np
 from scipy import stats
 from scipy.stats import qmc
 
-from surrogate.fitting.fit import fit
+from surrogate.fitting.fit import fit, minimum_runs
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Linear, Quadratic
@@ -89,10 +90,12 @@ def promise(name: str, surrogate: str, seed: int) -> Promise | None:
     size, function = FUNCTIONS[name]
     rng = np.random.default_rng([seed, size])
     space = Space(tuple(Parameter(f"x{k}", uniform(-1.0, 1.0)) for k in range(size)))
-    coded = 2.0 * qmc.LatinHypercube(size, seed=seed).random(max(20, 5 * size)) - 1.0
+    estimator = SURROGATES[surrogate]()
+    runs = max(20, 5 * size, minimum_runs(estimator, space) + 10)
+    coded = 2.0 * qmc.LatinHypercube(size, seed=seed).random(runs) - 1.0
     weights = rng.standard_normal(size)
     fits = {
-        "y": fit(space, coded, function(coded), SURROGATES[surrogate](), output="y"),
+        "y": fit(space, coded, function(coded), estimator, output="y"),
         "cost": fit(space, coded, coded @ weights, Linear(), output="cost"),
     }
     everywhere = function(2.0 * rng.random((2000, size)) - 1.0)
