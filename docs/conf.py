@@ -18,7 +18,7 @@ sys.path.insert(0, str(DOCS / "ext"))
 os.environ |= {
     "COLUMNS": "80",
     "NO_COLOR": "1",
-    "TERM": "dumb",
+    "TTY_COMPATIBLE": "0",
     "PROJECT": str(DOCS.parent),
     "PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")]),
     "PYDEVD_DISABLE_FILE_VALIDATION": "1",

@@ -45,7 +45,11 @@ def _inputs(source: str, **rows: tuple) -> dict[str, Input]:
 
 @dataclass(frozen=True)
 class Ishigami:
-    """y = sin X1 + a sin^2 X2 + b X3^4 sin X1; X3 acts through its interaction only."""
+    """y = sin X1 + a sin^2 X2 + b X3^4 sin X1; X3 acts through its interaction only.
+
+    a  size of the second term
+    b  size of the interaction of X1 and X3
+    """
 
     a: float = 7.0
     b: float = 0.1
@@ -62,7 +66,10 @@ class Ishigami:
 
 @dataclass(frozen=True)
 class SobolG:
-    """y = prod_i (|4 x_i - 2| + a_i) / (1 + a_i); the smaller a_i, the more x_i matters."""
+    """y = prod_i (|4 x_i - 2| + a_i) / (1 + a_i); the smaller a_i, the more x_i matters.
+
+    a  a number for each input
+    """
 
     a: tuple[float, ...] = (0.0, 1.0, 4.5, 9.0, 99.0, 99.0, 99.0, 99.0)
 

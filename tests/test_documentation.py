@@ -1,5 +1,6 @@
 """The documentation is true: links, named tests, studies in it, notebooks; the site builds."""
 
+import importlib
 import os
 import re
 import subprocess
@@ -90,6 +91,25 @@ def test_named_tests_exist(page):
     """`tests/x.py::test_y` is a test there."""
     for path, name in re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", page.read_text(encoding="utf-8")):
         assert f"def {name}(" in (ROOT / path).read_text(encoding="utf-8"), f"{path}::{name}"
+
+
+def test_every_option_of_a_method_is_described(monkeypatch):
+    """In the docstring of the method, from which the page of methods is made."""
+    monkeypatch.syspath_prepend(DOCS / "ext")
+    generated = importlib.import_module("generated")
+    method, bare = "", []
+    for line in generated.methods().splitlines():
+        method = line if line.startswith("### ") else method
+        if line.startswith("| `") and line.endswith("|  |"):
+            bare.append(f"{method}: {line}")
+    assert not bare
+
+
+def test_every_verb_is_described(monkeypatch):
+    """Made from the help of the command."""
+    monkeypatch.syspath_prepend(DOCS / "ext")
+    page = importlib.import_module("generated").command_line("surrogate", "surrogate.cli.verbs")
+    assert "## predict" in page and "`--points" in page and "|  |" not in page
 
 
 def test_no_page_speaks_of_plans():

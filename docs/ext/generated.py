@@ -12,18 +12,37 @@ import re
 from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 import yaml
-from sphinx.application import Sphinx
 
 from surrogate.study import plugins
 from surrogate.study.catalogue import summary
 from surrogate.study.schema import json_schema
 
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
 #: What the framework gives to a plug-in; the rest of its signature are its options.
-GIVEN = {"self", "space", "coded", "folder", "fit", "confidence", "settings", "groups"}
+GIVEN = {"self", "space", "coded", "folder", "fit", "confidence", "settings", "groups", "q2"}
+#: Options that mean the same everywhere, where a method's documentation does not tell.
+COMMON = {
+    "seed": "of random choices; default: made from the name of the design",
+    "runs": "number of points",
+    "center_points": "points in the middle of all ranges, at the end of the design",
+    "model": "polynomial that the points are to estimate: linear, interactions or quadratic",
+    "starts": "searches, of which the best counts",
+    "parameter": "whose sign is reversed; default: all",
+    "samples": "points at which the surrogate is evaluated, for each parameter or pair",
+    "replicates": "independent repetitions; their scatter gives the sampling part of intervals",
+    "scramblings": "independent randomisations; their scatter gives the sampling part of intervals",
+    "draws": "plausible surrogates that give the surrogate's part of intervals; 0 for none",
+    "q2_needed": "indices of a surrogate with a smaller Q2 carry a refusal",
+    "trajectories": "paths through the grid of levels, of d + 1 points each",
+    "levels": "places of the grid in each parameter",
+    "slices": "conditioning intervals of each parameter",
+}
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
@@ -226,18 +245,42 @@ def _method(name: str, point: EntryPoint) -> Iterator[str]:
     documented = inspect.getdoc(importlib.import_module(module) if alone else found) or ""
     first = documented.strip().split("\n\n")[0].replace("\n", " ") or summary(point)
     yield from (_plain(first), "")
+    bases = [inspect.getdoc(one) for one in (found.__mro__[:-1] if kind == "class" else [found])]
+    meanings = described("\n\n".join(filter(None, [documented, *bases])))
     options = [
         one
         for one in inspect.signature(found).parameters.values()
         if one.name not in GIVEN and one.kind is not inspect.Parameter.VAR_KEYWORD
     ]
     if options:
-        yield from _rows(
-            "option", [(f"`{one.name}`", _type_of(one), _default_of(one)) for one in options],
-            "type", "default",
-        )  # fmt: skip
+        rows = [
+            (
+                f"`{one.name}`",
+                _type_of(one),
+                _default_of(one),
+                _plain(meanings.get(one.name, COMMON.get(one.name, ""))),
+            )
+            for one in options
+        ]
+        yield from _rows("option", rows, "type", "default", "what it is")
     yield from (f"In Python: {{py:obj}}`{module}.{found.__name__}`" if _documented(module) else
                 f"In Python: `{module}:{found.__name__}`, a {kind}", "")  # fmt: skip
+
+
+def described(documentation: str) -> dict[str, str]:
+    """Option -> what it is, from rows `name  meaning` and paragraphs `name: meaning`."""
+    found: dict[str, str] = {}
+    rows = r"^(?P<names>\w+(?:, \w+)*) {2,}(?P<said>\S.*(?:\n[ ]+\S.*)*)"
+    paragraphs = r"^(?P<names>[a-z]\w*): (?P<said>(?:\S.*\n?)(?:(?!\w+(?:: |  )).+\n?)*)"
+    blocks = [
+        *re.finditer(rows, documentation, re.MULTILINE),
+        *re.finditer(paragraphs, documentation, re.MULTILINE),
+    ]
+    for block in blocks:
+        said = " ".join(block["said"].split())
+        for name in block["names"].split(", "):
+            found.setdefault(name, said)
+    return found
 
 
 def _documented(module: str) -> bool:
@@ -254,6 +297,8 @@ def _type_of(one: inspect.Parameter) -> str:
 
 
 def _default_of(one: inspect.Parameter) -> str:
+    if repr(one.default) == "<factory>":
+        return "`[]`"
     return "needed" if one.default is inspect.Parameter.empty else f"`{one.default!r}`"
 
 

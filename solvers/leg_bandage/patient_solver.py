@@ -66,7 +66,7 @@ class LegBandagePatient:
               default: the 35 that ship. Both are relative to the study file, from Python to
               the current folder
 
-    mesh, end, leg_ends, b1_rule, linear_solver are those of `leg_bandage`.
+    mesh, end, leg_ends, b1_rule, linear_solver  as those of `leg_bandage`
     """
 
     version = LegBandage.version

@@ -20,7 +20,8 @@ def dask(
 ) -> Backend:
     """Workers of a dask scheduler at `address`, or processes of a scheduler of its own.
 
-    workers: processes of its own cluster; default: the study's places, or one a core.
+    address  of a scheduler that runs, tcp://10.0.0.5:8786; default: a cluster of its own
+    workers  processes of its own cluster; default: the study's places, or one a core
     """
     try:
         import distributed  # noqa: F401

@@ -47,10 +47,13 @@ class Queue:
     cores       of a job; they are shared by its `processes`, one run at a time each
     memory      of a job: 4 GB
     walltime    of a job: 12 h
-    queue       partition or queue; account: who pays (project of LSF and Grid Engine)
+    processes   runs at once in a job, each with an equal part of its cores
+    queue       partition or queue
+    account     who pays (project of LSF and Grid Engine)
     setup       lines of shell before the workers start: module load ...
     directives  more lines for the queue, without its prefix: ["--gres=gpu:1"]
     interface   network of this machine that jobs can reach: eth0, ib0
+    python      interpreter of the jobs; default: the one that runs this
     hourly      most submissions in an hour
     """
 
