@@ -17,46 +17,24 @@ What is written after the runs stands in `surrogate.stages.table`.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import xarray as xr
 
 from surrogate.cli.meanwhile import loading
+from surrogate.cli.outcome import Outcome
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution.progress import Progress
 from surrogate.runs import dataset as rundata
 from surrogate.runs import stored as storing
 from surrogate.stages import kept
 from surrogate.stages.stage import Step
-from surrogate.stages.table import REPORT, SUMMARY
+from surrogate.stages.table import SUMMARY
 from surrogate.study.analysis import walk
 from surrogate.study.study import Study
 
 RUNS = "runs.nc"
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of a study.
-
-    folder   where everything lies
-    summary  the content of summary.json
-    trouble  a sentence when something failed, else ""
-    fresh    False when all was up to date already
-    """
-
-    folder: Path
-    summary: Mapping[str, Any]
-    trouble: str
-    fresh: bool = True
-
-    @property
-    def report(self) -> Path:
-        """The report's path."""
-        return self.folder / REPORT
 
 
 def folder_of(study: Study, results: Path | None) -> Path:

@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 
 from surrogate.cli.figures import COMPARED, INDICES, figure_tables, validation_tables
+from surrogate.cli.outcome import Outcome
 from surrogate.cli.page import Page
 from surrogate.cli.progress import duration
-from surrogate.cli.results import Outcome
 from surrogate.cli.results import store as store_runs
 from surrogate.cli.results import validate as validate_with
 from surrogate.cli.table import Table

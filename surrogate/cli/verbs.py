@@ -25,8 +25,8 @@ from surrogate.cli.options import AsJson, Quiet, Results, RetryFailed, StudyFile
 from surrogate.cli.retrying import RetryingCommand, chosen
 
 if TYPE_CHECKING:
+    from surrogate.cli.outcome import Outcome
     from surrogate.cli.page import Page
-    from surrogate.cli.results import Outcome
     from surrogate.study.study import Study
 
 
