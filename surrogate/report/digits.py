@@ -76,8 +76,8 @@ def aligned(words: Sequence[str]) -> list[str]:
     """A column whose decimal points stand below each other when it is set flush right.
 
     Words of the same pattern, such as `0.71 (0.69 to 0.73)` or `11.5 ± 0.12`, are padded number
-    by number with spaces as wide as the digits and the point that are missing. A column of
-    several patterns is left as it is.
+    by number with spaces as wide as the digits and the point that are missing; the last number
+    behind its unit. A column of several patterns is left as it is.
     """
     known = [k for k, word in enumerate(words) if word not in ("", NOTHING)]
     split = {k: _NUMBER.split(words[k]) for k in known}
@@ -86,10 +86,13 @@ def aligned(words: Sequence[str]) -> list[str]:
     result = list(words)
     columns = [_padded(column) for column in zip(*(split[k][1::2] for k in known), strict=True)]
     for row, k in enumerate(known):
-        numbers = [column[row] for column in columns]
-        numbers[:1] = [numbers[0].lstrip(FIGURE_SPACE)] if numbers else []
-        between = split[k][::2]
-        result[k] = between[0] + "".join(map("".join, zip(numbers, between[1:], strict=True)))
+        parts = split[k].copy()
+        parts[1::2] = [column[row] for column in columns]
+        if columns:
+            parts[1] = parts[1].lstrip(FIGURE_SPACE)
+            number = parts[-2].rstrip(FIGURE_SPACE + POINT_SPACE)
+            parts[-2:] = [number, parts[-1], parts[-2][len(number) :]]
+        result[k] = "".join(parts)
     return result
 
 

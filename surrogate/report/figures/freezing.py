@@ -13,7 +13,7 @@ from surrogate.report.figures.rows import TOP, Rows, whisker
 from surrogate.report.plot import Plot, column, plot
 
 #: Height of a row, and of the scale and the room above the rows.
-ROW, HIGHEST_ROW, OUTSIDE = 25.0, 60.0, 54.0
+ROW, HIGHEST_ROW, OUTSIDE = 25.0, 80.0, 54.0
 #: Powers of ten of the scale's lower end: never more than the first, at least the second.
 LOWEST, HIGHEST_START = -4, -2
 #: Room of the decision at the right.

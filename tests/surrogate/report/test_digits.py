@@ -128,8 +128,11 @@ def test_every_number_of_a_pattern_is_aligned():
     """Values, ends and units; words of several patterns are left alone."""
     told = digits.aligned(["0.71 (0.69 to 0.73) m", "12.5 (9.25 to 16) m"])
     assert len(told[0]) - told[0].index(".") == len(told[1]) - told[1].index(".")
+    assert (
+        digits.aligned(["100 %", "81.8 %"])[0] == f"100 %{digits.POINT_SPACE}{digits.FIGURE_SPACE}"
+    )
     assert [" ".join(word.split()) for word in told] == [
-        "0.71 (0.69 to 0.73) m", "12.5 (9.25 to 16 ) m",
+        "0.71 (0.69 to 0.73) m", "12.5 (9.25 to 16) m",
     ]  # fmt: skip
     mixed = ["1.5 ms", "2 s"]
     assert digits.aligned(mixed) == mixed
