@@ -17,6 +17,7 @@ from rich.progress import (
     TextColumn,
     TimeElapsedColumn,
 )
+from rich.table import Column
 from rich.text import Text
 
 from surrogate.execution.progress import Progress as Tally
@@ -25,6 +26,12 @@ from surrogate.stages.table import STAGES
 
 #: Seconds between two lines where there is no terminal.
 A_LINE = 60.0
+
+
+#: Longest name of a study in front of a bar.
+NAME = 20
+#: A column that is never cut.
+_WHOLE = Column(no_wrap=True)
 
 
 class RunsBar:
@@ -39,10 +46,10 @@ class RunsBar:
     ):
         self.console, self.minutes = Console(stderr=True, quiet=hidden), Minutes(clock)
         self.bar = Progress(
-            TextColumn(name, markup=False),
-            BarColumn(None),
-            MofNCompleteColumn(),
-            _Note(),
+            TextColumn(_short(name), markup=False),
+            BarColumn(None, table_column=Column(ratio=1)),
+            MofNCompleteColumn(table_column=_WHOLE),
+            _Note(table_column=_WHOLE),
             console=self.console,
             refresh_per_second=5,
             disable=hidden or not self.console.is_terminal,
@@ -113,13 +120,14 @@ class StagesBar:
         self.name, self.minutes = name, Minutes(clock)
         self.bar = Progress(
             SpinnerColumn(),
-            TextColumn(name, markup=False),
+            TextColumn(_short(name), markup=False),
             TextColumn("{task.fields[stage]}"),
-            BarColumn(20),
-            TextColumn("{task.description}", markup=False),
-            TimeElapsedColumn(),
+            BarColumn(8),
+            TextColumn("{task.description}", markup=False, table_column=Column(ratio=1)),
+            TimeElapsedColumn(table_column=_WHOLE),
             console=self.console,
             transient=True,
+            expand=True,
             disable=hidden or not self.console.is_terminal,
         )
         self.task: TaskID | None = None
@@ -146,6 +154,11 @@ class StagesBar:
             )
         if self.bar.disable and self.minutes.due():
             self.console.print(f"{self.name}: {text}", highlight=False, markup=False)
+
+
+def _short(name: str) -> str:
+    """A name that leaves room for figures beside it."""
+    return name if len(name) <= NAME else f"{name[: NAME - 3]}..."
 
 
 def _number(stage: str) -> str:

@@ -1,5 +1,7 @@
 """What is said of an analysis that goes on."""
 
+import re
+
 from surrogate.cli.progress import RunsBar, StagesBar
 from surrogate.execution.progress import Progress
 from surrogate.stages.stage import Step
@@ -49,3 +51,21 @@ def test_runs_are_told_first_last_and_once_a_minute(capsys):
             bar(Progress(7, done=done))
     said = [line.split("/")[0] for line in capsys.readouterr().err.splitlines()]
     assert said == ["0", "2", "5", "7"]
+
+
+def test_on_a_terminal_figures_are_never_cut(capsys, monkeypatch):
+    """However long names are: counts and time left stay whole within 80 columns."""
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "80")
+    name = "a_name_that_somebody_liked_to_be_as_clear_as_it_can_be"
+    with RunsBar(name) as bar:
+        bar(Progress(1000, reused=30, done=400, failed=20, seconds_left=4000.0))
+        bar.bar.refresh()
+    with StagesBar(name) as steps:
+        steps(Step("fits", f"gp of {name}", 3, 8, 300.0))
+        steps.bar.refresh()
+    said = re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", capsys.readouterr().err)
+    lines = [line.rstrip() for line in re.split(r"[\r\n]+", said)]
+    assert max(map(len, lines)) <= 80
+    assert any("400/1000 30 reused, 20 failed, 67 min left" in line for line in lines)
+    assert "stage " in said and "5 min left" in " ".join(said.split())
