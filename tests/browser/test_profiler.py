@@ -274,7 +274,7 @@ def test_keyboard_alone(explored, open_page):
     page.keyboard.press("Home")
     page.keyboard.press("ArrowRight")
     assert shown(page)["values"][2] == "4"
-    assert slider.get_attribute("aria-valuetext") == "4.000"
+    assert slider.get_attribute("aria-valuetext") == "4"
     page.get_by_role("tab", name="Contour").focus()
     page.keyboard.press("ArrowRight")
     assert page.get_by_role("tab", name="Target search").get_attribute("aria-selected") == "true"

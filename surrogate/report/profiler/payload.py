@@ -88,6 +88,11 @@ def _parameter(parameter: Parameter, start: Any) -> dict[str, Any]:
 
 
 def _ends(parameter: Parameter) -> tuple[float, float]:
+    """Coded ends of the slider; the law of data has tails beyond all that was seen."""
+    words = {} if parameter.categorical else dict(parameter.law.words)
+    if words.get("distribution") == "data" and "range" not in words:
+        low, high = parameter.quantile([0.5 - 0.5 * REACH, 0.5 + 0.5 * REACH])
+        return float(low), float(high)
     return (-1.0, 1.0) if parameter.bounded else (-REACH, REACH)
 
 

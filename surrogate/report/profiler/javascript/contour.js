@@ -20,11 +20,11 @@ export function contour(data, state, ask, fail) {
     el("option", { value, selected: value === chosen[key] }, words))));
   const names = numeric.map((j) => [j, data.parameters[j].name]);
   const canvas = el("canvas", { width: SIZE, height: SIZE, "aria-hidden": "true" });
-  const [lines, cut, runs, cross] = ["c-lines", "c-cut", "c-runs", "c-cross"].map((name) =>
+  const [lines, cut, far, runs, cross] = ["c-lines", "c-cut", "p-far", "c-runs", "c-cross"].map((name) =>
     svg("path", { class: name }));
   const labels = el("div", { class: "c-labels", "aria-hidden": "true" });
   const drawing = svg("svg", { viewBox: "0 0 100 100", preserveAspectRatio: "none", role: "img" },
-    cut, lines, runs, cross);
+    far, lines, cut, runs, cross);
   const upAxis = el("div", { class: "c-up p-ticks", "aria-hidden": "true" });
   const acrossAxis = el("div", { class: "c-across", "aria-hidden": "true" });
   const caption = el("p", { class: "caption" });
@@ -60,7 +60,7 @@ export function contour(data, state, ask, fail) {
       .then((found) => draw(found, values)).catch(fail);
   }
 
-  function draw({ mean, allowed }, values) {
+  function draw({ mean, allowed, forbidden, far: outside }, values) {
     const inside = mean.filter((_, k) => allowed[k]);
     const shown = inside.length ? inside : mean;
     const [low, high] = [Math.min(...shown), Math.max(...shown)];
@@ -75,12 +75,10 @@ export function contour(data, state, ask, fail) {
       const [x, y] = place(own[Math.floor(own.length / 2)][0]);
       return [el("span", { style: `left:${x}%;top:${y}%` }, words)];
     }));
-    const half = 50 / (SIZE - 1);
-    cut.setAttribute("d", Array.from(allowed, (fine, k) => {
-      if (fine) return "";
-      const [x, y] = place([k % SIZE, Math.floor(k / SIZE)]);
-      return `M${x - half} ${y - half}h${2 * half}v${2 * half}h${-2 * half}Z`;
-    }).join(""));
+    const strips = (some) => some.map(([left, right, bottom, top]) =>
+      `M${100 * left} ${100 - 100 * top}H${100 * right}V${100 - 100 * bottom}H${100 * left}Z`).join("");
+    cut.setAttribute("d", strips(forbidden));
+    far.setAttribute("d", strips(outside));
     const [px, py] = [data.parameters[chosen.x], data.parameters[chosen.y]];
     const [across, up] = [acrossOf(px), acrossOf(py)];
     const at = ([u, v]) => [across(u), 100 - up(v)];
@@ -93,7 +91,8 @@ export function contour(data, state, ask, fail) {
     const others = data.parameters.length > 2 ? ", the other parameters as above" : "";
     caption.textContent = `${withUnit(name, unit && `(${unit})`)} over ${px.name} and ${py.name}`
       + `${others}: ${figure(low)} to ${withUnit(figure(high), unit)}. Dots: finished runs.`
-      + `${data.constraints.length ? " Grey: constraints forbid it." : ""} Point at the map to go there.`;
+      + `${data.constraints.length ? " Grey: constraints forbid it." : ""}`
+      + `${data.clouds.length ? " Shaded: outside of the cloud of rows." : ""} Point at the map to go there.`;
     drawing.setAttribute("aria-label", caption.textContent);
   }
 

@@ -42,7 +42,8 @@ export function control(parameter, j, state, dependent) {
     coded.textContent = `coded ${Math.abs(t) < 5e-4 ? "0" : figure(t, 3)}`;
     root.classList.toggle("outside", Math.abs(t) > 1 + 1e-9);
     root.dataset.value = String(value);
-    root.dataset.shown = typeof value === "number" ? withUnit(figure(value), unit) : value;
+    root.dataset.shown = typeof value !== "number" ? value
+      : withUnit(parameter.allowed ? typed(value) : figure(value), unit);
     root.title = unit ? `${name} in ${unit}` : name;
   }
   return { root, show };
@@ -85,7 +86,7 @@ function numbers(parameter, j, state, id, dependent) {
 
   function show(value) {
     slider.value = nearestStop(stops, value);
-    slider.setAttribute("aria-valuetext", withUnit(figure(value, 4), unit));
+    slider.setAttribute("aria-valuetext", withUnit(allowed ? typed(value) : figure(value), unit));
     field.value = typed(value);
   }
   return { show, elements: [slider,

@@ -12,12 +12,22 @@ export function acrossOf({ coding, ends }) {
   return (value) => (value - low) / (high - low) * 100;
 }
 
+// Whether a parameter has few values, which are drawn one by one.
+function stepped({ coding, allowed }) {
+  return coding.kind === "levels" || Boolean(allowed && allowed.length <= 12);
+}
+
+// The same in a panel, where the first and last of few values keep off the edges.
+export function placeOf(parameter) {
+  const across = acrossOf(parameter);
+  return parameter.allowed && stepped(parameter) ? (value) => 4 + 0.92 * across(value) : across;
+}
+
 const within = (x) => Math.min(Math.max(x, -20), 120);
 
 export function panel(parameter, output, choose) {
-  const across = acrossOf(parameter);
-  const stepped = parameter.coding.kind === "levels"
-    || (parameter.allowed && parameter.allowed.length <= 12);
+  const across = placeOf(parameter);
+  const few = stepped(parameter);
   const part = (className, name = "path") => svg(name, { class: className });
   const [grid, far, band, curve, points] = ["p-grid", "p-far", "p-band", "p-curve", "p-dots"].map(
     (name) => part(name));
@@ -50,7 +60,7 @@ export function panel(parameter, output, choose) {
     const edge = (sign) => mean.map((y, k) => [xs[k], up(y + sign * half[k])]);
     const marks = ticks(low, high, 3);
     grid.setAttribute("d", marks.map(([y]) => `M0 ${up(y).toFixed(2)}H100`).join(""));
-    if (stepped) {
+    if (few) {
       band.setAttribute("d", known ? mean.map((_, k) =>
         line([edge(1)[k], edge(-1)[k]])).join("") : "");
       points.setAttribute("d", dots(mean.map((y, k) => [xs[k], up(y)])));
@@ -64,7 +74,7 @@ export function panel(parameter, output, choose) {
     level.setAttribute("d", `M0 ${within(up(at)).toFixed(2)}H100`);
     words.replaceChildren(...marks.map(([y, text]) =>
       el("span", { style: `top:${up(y).toFixed(1)}%` }, text)));
-    root.classList.toggle("stepped", Boolean(stepped));
+    root.classList.toggle("stepped", few);
   }
   return { root, show };
 }

@@ -8,6 +8,10 @@ import { spaceOf } from "./space.js";
 
 // Points of a curve.
 const POINTS = 41;
+// Strips of a map in which forbidden regions are found.
+const STRIPS = 110;
+// Digits of the values that a search finds.
+const DIGITS = 8;
 // Coded ends within which a parameter without ends is searched.
 const SEARCHED = 0.998;
 
@@ -109,7 +113,33 @@ export function engine(data) {
       return moved(coded, [[x, own[x]], [y, own[y]]]);
     }));
     const { mean } = model(output, place).predict(columnsOf(points), points.length, false);
-    return { across, up, mean, allowed: points.map((point) => space.excess(point) === 0) };
+    return { mean, allowed: points.map((point) => space.excess(point) === 0),
+      ...cutOut(values, coded, x, y) };
+  }
+
+  // What constraints forbid, and what lies outside of the cloud of rows: strips [left, right,
+  // bottom, top] in shares of the map.
+  function cutOut(values, coded, x, y) {
+    const parts = { forbidden: [], far: [] };
+    if (!data.constraints.length && !data.clouds.length) return parts;
+    const ends = [x, y].map((j) => data.parameters[j].ends);
+    for (let row = 0; row < STRIPS; row++) {
+      for (let column = 0; column < STRIPS; column++) {
+        const at = [...values];
+        [x, y].forEach((j, d) => {
+          const share = ([column, row][d] + 0.5) / STRIPS;
+          at[j] = ends[d][0] + share * (ends[d][1] - ends[d][0]);
+        });
+        const own = space.encode(at);
+        const point = moved(coded, [[x, own[x]], [y, own[y]]]);
+        const part = space.excess(point) > 0 ? parts.forbidden : space.hidden(point) ? parts.far : null;
+        const last = part?.at(-1);
+        if (last && last[2] === row / STRIPS && last[1] === column / STRIPS) {
+          last[1] = (column + 1) / STRIPS;
+        } else part?.push([column, column + 1, row, row + 1].map((edge) => edge / STRIPS));
+      }
+    }
+    return parts;
   }
 
   // The point of the largest desirability; parameters that are held stay where they are.
@@ -133,8 +163,13 @@ export function engine(data) {
     const smooth = free.map((j) => !data.parameters[j].allowed
       && data.parameters[j].coding.kind !== "levels");
     const best = await largest(many, ends, smooth, pause);
-    const point = placed(best.point);
-    return { values: space.decode(point), ...judged(point, own, asked, goals),
+    const exact = placed(best.point);
+    const rounded = space.completed(space.encode(space.decode(exact).map((value, j) =>
+      (smooth[free.indexOf(j)] ? Number(value.toPrecision(DIGITS)) : value))));
+    const point = space.excess(rounded) > space.excess(exact) ? exact : rounded;
+    return { values: space.decode(point).map((value, j) =>
+      (smooth[free.indexOf(j)] && point === rounded ? Number(value.toPrecision(DIGITS)) : value)),
+    ...judged(point, own, asked, goals),
       allowed: space.excess(point) === 0 };
   }
 

@@ -1,6 +1,6 @@
 // The matrix: one row an output, one column a parameter with its control below.
 import { control } from "./controls.js";
-import { acrossOf, panel } from "./curves.js";
+import { panel, placeOf } from "./curves.js";
 import { el } from "./elements.js";
 import { outputHead } from "./outputs.js";
 import { typed } from "./words.js";
@@ -19,7 +19,8 @@ export function matrix(data, state) {
   el("div", { class: "column heads" }, ...heads.map((head) => head.root)),
   ...parameters.map((parameter, j) => el("div", { class: "column" },
     el("div", { class: "panels" }, ...panels[j].map((one) => one.root)),
-    el("div", { class: "p-axis", "aria-hidden": "true" }, ...axis(parameter)),
+    el("div", { class: "p-axis", "data-kind": parameter.coding.kind,
+      "aria-hidden": "true" }, ...axis(parameter)),
     controls[j].root)));
 
   // The value at a share of the width of a panel.
@@ -29,7 +30,7 @@ export function matrix(data, state) {
     const { allowed, coding, ends } = parameter;
     if (coding.kind === "levels" || allowed) {
       const own = Array.from(allowed || coding.levels);
-      const away = (value) => Math.abs(acrossOf(parameter)(value) - 100 * share);
+      const away = (value) => Math.abs(placeOf(parameter)(value) - 100 * share);
       state.set(j, own.reduce((best, value) => (away(value) < away(best) ? value : best)));
     } else state.set(j, Number((ends[0] + share * (ends[1] - ends[0])).toPrecision(4)));
   }
