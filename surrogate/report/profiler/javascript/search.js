@@ -4,6 +4,8 @@ import { generator } from "./random.js";
 
 const STARTS = 3;
 const GENERATIONS = 150;
+// Step of a slope, as a share of the box.
+const NEAR = 1e-9;
 const PRIMES = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71];
 
 // Radical inverse of n: the Halton sequence has one prime a coordinate (Halton 1960).
@@ -96,6 +98,29 @@ function simplex(many, start, ends, share) {
   return corners[0];
 }
 
+// Up the gradient from a point: the ridge of a target, where simplexes grow flat, is a step away.
+function climbed(many, [start, height], ends) {
+  const width = ends.map(([low, high]) => high - low);
+  const near = start.map((_, j) => start.map((value, k) => (k !== j ? value
+    : value + NEAR * width[j] * (value > ends[j][1] - NEAR * width[j] ? -1 : 1))));
+  const slopes = Array.from(many(near), (value, j) =>
+    (value - height) / (near[j][j] - start[j]) * width[j] ** 2);
+  const steepest = Math.max(...slopes.map((slope, j) => Math.abs(slope) / width[j]));
+  if (!(steepest > 0)) return [start, height];
+  const at = (t) => start.map((value, j) => clamp(value + t * slopes[j] / steepest, ends[j]));
+  let [low, high] = [0, 0.1];
+  let best = [0, height];
+  for (let turn = 0; turn < 14; turn++) {
+    const steps = Array.from({ length: 11 }, (_, k) => low + (high - low) * k / 10);
+    many(steps.map(at)).forEach((value, k) => {
+      if (value > best[1]) best = [steps[k], value];
+    });
+    const step = (high - low) / 10;
+    [low, high] = [Math.max(best[0] - step, 0), best[0] + step];
+  }
+  return [at(best[0]), best[1]];
+}
+
 // Where many(points) -> values is largest; ends[j] = [low, high], smooth[j] false for a
 // coordinate with steps, which the simplexes leave as it is.
 export async function largest(many, ends, smooth, pause) {
@@ -111,6 +136,8 @@ export async function largest(many, ends, smooth, pause) {
       const [x, height] = simplex((some) => many(some.map(placed)), from,
         free.map((j) => ends[j]), share);
       if (height >= value) [point, value] = [placed(x), height];
+      [point, value] = climbed((some) => many(some.map((y) => found.map((old, j) =>
+        (smooth[j] ? y[j] : old)))), [point, value], ends);
     }
     if (value > best.value) best = { point, value };
   }
