@@ -11,7 +11,7 @@ const POINTS = 41;
 // Strips of a map in which forbidden regions are found.
 const STRIPS = 110;
 // Digits of the values that a search finds.
-const DIGITS = 8;
+const DIGITS = 10;
 // Coded ends within which a parameter without ends is searched.
 const SEARCHED = 0.998;
 
