@@ -112,6 +112,15 @@ def test_every_verb_is_described(monkeypatch):
     assert "## predict" in page and "`--points" in page and "|  |" not in page
 
 
+def test_the_gallery_shows_studies_that_ship():
+    """Each script reads files that exist, and says the command that runs its study."""
+    for script in (DOCS / "gallery").glob("study_*.py"):
+        text = script.read_text(encoding="utf-8")
+        (study,) = re.findall(r"surrogate run (studies/\w+\.yaml)", text)
+        read = re.findall(r'"\.\./\.\./(studies/\w+\.yaml)"', text)
+        assert study in read and all((ROOT / path).exists() for path in read), script.name
+
+
 def test_no_page_speaks_of_plans():
     for page in PAGES:
         text = page.read_text(encoding="utf-8").lower()
