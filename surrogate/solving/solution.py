@@ -71,14 +71,14 @@ class Solution:
         )
         if not self.sure:
             return (
-                f"No inputs meet the goal with {asked}; the best have "
+                f"No inputs meet the goal with probability {asked}; the best have "
                 f"{chance(best.probability)}: {at}."
             )
-        return f"Met with {chance(best.probability)} at {at}."
+        return f"Met with probability {chance(best.probability)} at {at}."
 
 
 def chance(probability: float) -> str:
     """A probability in words that claim no more than the draws can tell."""
     if probability > 0.995:
-        return "more than 99.5 %"
-    return "less than 0.5 %" if probability < 0.005 else f"{100 * probability:.3g} %"
+        return "> 99.5 %"
+    return "< 0.5 %" if probability < 0.005 else f"{100 * probability:.3g} %"

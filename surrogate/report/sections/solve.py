@@ -3,8 +3,20 @@
 from __future__ import annotations
 
 from surrogate.report import digits
-from surrogate.report.blocks import Block, Cell, Head, Heading, Section, Table, Text, anchor
+from surrogate.report.blocks import (
+    Block,
+    Cell,
+    Figure,
+    Figures,
+    Head,
+    Heading,
+    Section,
+    Table,
+    Text,
+    anchor,
+)
 from surrogate.report.content import Content
+from surrogate.report.figures.promises import front_plot, promises_plot
 from surrogate.solving.problem import Problem
 from surrogate.solving.promise import Verified
 from surrogate.solving.solution import Candidate, Solution, chance
@@ -27,7 +39,33 @@ def _goal(content: Content, solution: Solution) -> list[Block]:
     kept = promise(solution)
     if kept:
         found.append(Text(kept, "plain"))
-    return [*found, _table(content, solution)]
+    return [*found, _figures(content, solution), _table(content, solution)]
+
+
+def _figures(content: Content, solution: Solution) -> Figures:
+    """The front of several objectives; else the candidates, a figure an output."""
+    objectives = solution.problem.objectives
+    if len(objectives) > 1:
+        labels = [digits.labelled(one.output, content.unit(one.output)) for one in objectives[:2]]
+        caption = "No candidate is better than another in all objectives."
+        return Figures((Figure(front_plot(solution, (labels[0], labels[1])), caption),))
+    checked = any(one.verified for one in solution.candidates)
+    caption = (
+        "Discs: expected, with the 95 % interval of the surrogate's error"
+        + " and the uncertain inputs" * bool(solution.problem.uncertain)
+        + "."
+        + " Band: the goal." * bool(solution.ends)
+        + " Crosses: what the solver said." * checked
+    )
+    outputs = solution.candidates[0].predicted
+    return Figures(
+        tuple(
+            Figure(
+                promises_plot(solution, name, digits.labelled(name, content.unit(name))), caption
+            )
+            for name in outputs
+        )
+    )
 
 
 def goal(solution: Solution) -> str:
@@ -47,9 +85,10 @@ def _setting(content: Content, problem: Problem) -> list[str]:
         held = [f"{name} {_value(content, name, value)}" for name, value in problem.held.items()]
         found.append(f"Held: {digits.listing(held)}.")
     if problem.uncertain:
+        names = digits.listing(problem.uncertain)
         found.append(
-            f"Nobody controls {digits.listing(problem.uncertain)}: the probability is that over "
-            "their distributions, and over the error of the surrogate."
+            f"The probability is taken over the distribution of {names}, which nobody controls, "
+            "and over the error of the surrogate."
         )
     return found
 
