@@ -6,7 +6,12 @@ WIDTHS = (1440, 1024, 390)
 UNFOLD = "document.querySelectorAll('details').forEach((fold) => { fold.open = true; })"
 #: What reaches beyond the page without standing in a frame that scrolls.
 BEYOND = """() => [...document.querySelectorAll("body *")]
-  .filter((one) => one.checkVisibility() && !one.closest(".scroll, pre, svg, .skip"))
+  .filter((one) => one.checkVisibility() && !one.closest("svg, .skip"))
+  .filter((one) => {
+    for (let frame = one.parentElement; frame !== document.body; frame = frame.parentElement)
+      if (/auto|scroll/.test(getComputedStyle(frame).overflowX)) return false;
+    return true;
+  })
   .filter((one) => {
     const box = one.getBoundingClientRect();
     return box.width > 0 && (box.right > document.documentElement.clientWidth + 0.5
