@@ -12,12 +12,26 @@ export function contour(data, state, ask, fail) {
     .filter((j) => data.parameters[j].coding.kind !== "levels");
   if (numeric.length < 2) return null;
   const chosen = { output: 0, x: numeric[0], y: numeric[1] };
-  const choice = (title, key, options) => el("label", {}, title, el("select", {
-    change: (event) => {
-      chosen[key] = Number(event.target.value);
-      refresh();
-    } }, ...options.map(([value, words]) =>
-    el("option", { value, selected: value === chosen[key] }, words))));
+  const selects = {};
+  const choice = (title, key, options) => {
+    selects[key] = el("select", { change: (event) => choose(key, Number(event.target.value)) },
+      ...options.map(([value, words]) =>
+        el("option", { value, selected: value === chosen[key] }, words)));
+    return el("label", {}, title, selects[key]);
+  };
+
+  // The two parameters change places when one is chosen twice.
+  function choose(key, value) {
+    const old = chosen[key];
+    const other = { x: "y", y: "x" }[key];
+    chosen[key] = value;
+    if (other && chosen[other] === value) {
+      chosen[other] = old;
+      selects[other].value = old;
+    }
+    refresh();
+  }
+
   const names = numeric.map((j) => [j, data.parameters[j].name]);
   const canvas = el("canvas", { width: SIZE, height: SIZE, "aria-hidden": "true" });
   const [lines, cut, far, runs, cross] = ["c-lines", "c-cut", "p-far", "c-runs", "c-cross"].map((name) =>
@@ -53,7 +67,7 @@ export function contour(data, state, ask, fail) {
   });
 
   function refresh() {
-    if (!visible || chosen.x === chosen.y) return;
+    if (!visible) return;
     const { values, places } = state.get();
     const { output, x, y } = chosen;
     ask("contour", { values, output, place: places[output], x, y, size: SIZE })

@@ -20,13 +20,19 @@ function tabulated(values, z) {
   return values[k] + (place - k) * (values[k + 1] - values[k]);
 }
 
-function quantile(law, u) {
+// Turns a column of uniform numbers into coded values.
+function quantiles(law, u) {
+  const last = law.count - 1;
   switch (law.kind) {
-    case "uniform": return 2 * u - 1;
-    case "levels": return 2 * Math.min(Math.floor(u * law.count), law.count - 1)
-      / (law.count - 1) - 1;
-    default: return step(law.values, law.up_to, u);
+    case "uniform": for (let i = 0; i < u.length; i++) u[i] = 2 * u[i] - 1; break;
+    case "levels":
+      for (let i = 0; i < u.length; i++) {
+        u[i] = 2 * Math.min(Math.floor(u[i] * law.count), last) / last - 1;
+      }
+      break;
+    default: for (let i = 0; i < u.length; i++) u[i] = step(law.values, law.up_to, u[i]);
   }
+  return u;
 }
 
 // Columns (size,) of normal numbers with the correlation whose lower factor is given by rows.
@@ -51,11 +57,8 @@ export function drawn({ parameters, correlation }, held, size, random) {
     if (law.kind === "table") {
       const own = scores ? scores[j] : random.normals(column);
       for (let i = 0; i < size; i++) column[i] = tabulated(law.values, own[i]);
-    } else if (scores) {
-      for (let i = 0; i < size; i++) column[i] = quantile(law, normalCdf(scores[j][i]));
-    } else {
-      for (let i = 0; i < size; i++) column[i] = quantile(law, random.uniform());
+      return column;
     }
-    return column;
+    return quantiles(law, scores ? scores[j].map(normalCdf) : random.uniforms(column));
   });
 }
