@@ -251,6 +251,10 @@ def test_small_screens_and_paper(scheme, explored, open_page):
     shown(page)
     for name in ("Contour", "Target search", "Monte Carlo"):
         page.get_by_role("tab", name=name).click()
+        if name == "Target search":
+            page.get_by_label("goal of slope").select_option("minimise")
+            page.get_by_role("button", name="Search").click()
+            page.wait_for_selector(".found[data-merit]")
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
     page.emulate_media(media="print")
     assert page.locator(".matrix").is_visible()

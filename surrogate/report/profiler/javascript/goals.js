@@ -59,16 +59,22 @@ export function goals(data, state, ask, fail) {
       el("p", {}, el("strong", {}, `Desirability ${best}`),
         ` · all goals met with probability ${percent(found.probability)}`
         + `${found.allowed ? "" : " · no point keeps all constraints"}. The sliders stand there.`),
-      el("table", {}, el("thead", {}, el("tr", {}, ...["output", "predicted", "95\u202f% interval",
-        "goal met"].map((word) => el("th", { scope: "col" }, word)))),
-      el("tbody", {}, ...found.outputs.map(({ output, mean, half, probability }) => {
-        const [number, ends] = interval(mean, half);
-        const { name, shown_unit: unit } = data.outputs[output];
-        return el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, withUnit(number, unit)),
-          el("td", {}, ends), el("td", {}, percent(probability)));
-      }))));
+      el("div", { class: "scroll" }, answers(found.outputs)));
     Object.assign(said.dataset, { merit: String(found.merit), probability: String(found.probability),
       goals: JSON.stringify(asked) });
+  }
+
+  function answers(outputs) {
+    const heads = ["output", "predicted", "95\u202f% interval", "goal met"];
+    const row = ({ output, mean, half, probability }) => {
+      const [number, ends] = interval(mean, half);
+      const { name, shown_unit: unit } = data.outputs[output];
+      return el("tr", {}, el("th", { scope: "row" }, name), el("td", {}, withUnit(number, unit)),
+        el("td", {}, ends), el("td", {}, percent(probability)));
+    };
+    return el("table", {},
+      el("thead", {}, el("tr", {}, ...heads.map((word) => el("th", { scope: "col" }, word)))),
+      el("tbody", {}, ...outputs.map(row)));
   }
 
   return { title: "Target search", root, asked: () => rows.map((one) => one.goal()) };
