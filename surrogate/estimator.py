@@ -48,6 +48,15 @@ class HasStd(Protocol):
     def predict(self, X: Array, /, *, return_std: Literal[True]) -> tuple[Array, Array]: ...
 
 
+class HasJoint(Protocol):
+    """Knows the joint law of new runs at m sets of n coded points X (m, n, d).
+
+    Means (m, n) and covariances (m, n, n); runs at the same point are one run.
+    """
+
+    def predict_joint(self, X: Array, /) -> tuple[Array, Array]: ...
+
+
 class HasMinimum(Protocol):
     """Knows the fewest runs that it can be fitted to in a space; two for all others."""
 
@@ -150,6 +159,11 @@ class HasSamples(Predictor, Protocol):
 def has_minimum(estimator: object) -> TypeGuard[HasMinimum]:
     """True when the estimator knows how many runs it needs."""
     return hasattr(estimator, "minimum_runs")
+
+
+def has_joint(estimator: object) -> TypeGuard[HasJoint]:
+    """True when the estimator knows the joint law of new runs."""
+    return hasattr(estimator, "predict_joint")
 
 
 def leaves_out(estimator: object) -> TypeGuard[LeavesOut]:

@@ -23,6 +23,7 @@ from surrogate.errors import nearest
 from surrogate.estimator import Groups
 from surrogate.regressors import anova, paths, portable
 from surrogate.regressors.columns import columns_of, expand
+from surrogate.regressors.joint import joint
 from surrogate.regressors.kriging import Factored, factored, left_out_errors
 from surrogate.regressors.length_search import Search, guesses
 from surrogate.regressors.likelihood import Posterior
@@ -252,6 +253,11 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
             offsets, scales = np.array([(model.offset_, model.scale_) for model in some]).T
             mean[:, own] = offsets + scales * sums
         return (mean, std) if return_std else mean
+
+    def predict_joint(self, X: ArrayLike) -> tuple[Array, Array]:
+        """Means (m, n) and covariances (m, n, n) of new runs at m sets of n coded points."""
+        check_is_fitted(self)
+        return joint(self, np.asarray(X, dtype=float))
 
     def expanded(self, X: ArrayLike) -> Array:
         """Numeric columns (m, c) of coded points (m, d)."""

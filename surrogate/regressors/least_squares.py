@@ -111,6 +111,15 @@ class LeastSquares:
         """sqrt(1 + x' (X'X)^-1 x) (m,) of design rows x (m, p)."""
         return np.asarray(np.sqrt(1.0 + ((rows[:, self.kept] @ self.inverse) ** 2).sum(axis=1)))
 
+    def covariance(self, rows: Array) -> Array:
+        """Covariances (m, n, n) of new observations at m sets of n design rows (m, n, p).
+
+        s^2 ([x = y] + x' (X'X)^-1 y): observations at the same point are one observation.
+        """
+        kept = rows[..., self.kept] @ self.inverse
+        same = (rows[:, :, None, :] == rows[:, None, :, :]).all(axis=3)
+        return np.asarray(self.residual_sd**2 * (same + kept @ kept.swapaxes(1, 2)))
+
 
 def _without(basis: Array, residuals: Array) -> Array | None:
     """(I - H)^-1 e (k,) of a fold with rows B (k, r) of the basis, H = B B'; None if singular.

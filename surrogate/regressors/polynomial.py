@@ -204,6 +204,14 @@ class Polynomial(TermRegressor):
         deviations = np.array([model.model_.residual_sd for model in models])
         return mean, self.model_.spread(rows)[:, None] * deviations
 
+    def predict_joint(self, X: ArrayLike) -> tuple[Array, Array]:
+        """Means (m, n) and covariances (m, n, n) of new runs at m sets of n coded points."""
+        points = np.asarray(X, dtype=float)
+        rows = self.rows(points.reshape(-1, points.shape[2]))
+        shape = points.shape[:2]
+        mean: Array = rows @ self.coef_
+        return mean.reshape(shape), self.model_.covariance(rows.reshape(*shape, -1))
+
     @property
     def interval_freedom(self) -> int:
         """Degrees of freedom of the t distribution of prediction intervals."""
