@@ -8,6 +8,9 @@ count as normal with the same variance, v / (v - 2).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,23 +21,29 @@ from surrogate.fitting.fit import Fit
 Array = NDArray[np.float64]
 
 
-def predicted(fit: Fit, points: Array) -> tuple[Array, Array]:
-    """Means (w, case) and covariances (w, case, case) of the solver at points (w, case, d)."""
-    if has_joint(fit.estimator):
-        mean, found = fit.estimator.predict_joint(points)
-        return mean, found * inflation(fit)
-    mean, std = fit.predict(points.reshape(-1, points.shape[2]), return_std=True)
-    std = np.asarray(std).reshape(points.shape[:2])
-    same = (np.abs(points[0, :, None] - points[0, None, :]) < 1e-9).all(axis=2)
-    found = std[:, :, None] * std[:, None, :] * same * inflation(fit)
-    return np.asarray(mean).reshape(points.shape[:2]), found
+@dataclass(frozen=True, eq=False)
+class Emulator:
+    """A fit, as the likelihood asks it."""
 
+    fit: Fit
 
-def inflation(fit: Fit) -> float:
-    """Variance of standardised errors; for v <= 2 the normal law with the same 95 % interval."""
-    law = fit.error_law
-    variance = float(law.var())
-    return variance if np.isfinite(variance) else float((law.ppf(0.975) / 1.959964) ** 2)
+    def predicted(self, points: Array) -> tuple[Array, Array]:
+        """Means (w, case), covariances (w, case, case) of the solver at points (w, case, d)."""
+        if has_joint(self.fit.estimator):
+            mean, found = self.fit.estimator.predict_joint(points)
+            return mean, found * self.inflation
+        mean, std = self.fit.predict(points.reshape(-1, points.shape[2]), return_std=True)
+        std = np.asarray(std).reshape(points.shape[:2])
+        same = (np.abs(points[0, :, None] - points[0, None, :]) < 1e-9).all(axis=2)
+        found = std[:, :, None] * std[:, None, :] * same * self.inflation
+        return np.asarray(mean).reshape(points.shape[:2]), found
+
+    @cached_property
+    def inflation(self) -> float:
+        """Variance of standardised errors; for v <= 2 the normal law with the same 95 % ends."""
+        law = self.fit.error_law
+        variance = float(law.var())
+        return variance if np.isfinite(variance) else float((law.ppf(0.975) / 1.959964) ** 2)
 
 
 def check(fit: Fit) -> None:

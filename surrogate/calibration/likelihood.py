@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.calibration import discrepancy
-from surrogate.calibration.emulator import predicted
+from surrogate.calibration.emulator import Emulator
 from surrogate.calibration.priors import (
     Coordinates,
     discrepancy_name,
@@ -71,7 +71,9 @@ class Normal:
         try:
             factor = np.linalg.cholesky(self.covariance)
         except np.linalg.LinAlgError:
-            return np.array([_one(*pair) for pair in zip(self.covariance, self.residual)])
+            return np.array(
+                [_one(*pair) for pair in zip(self.covariance, self.residual, strict=True)]
+            )
         white = np.linalg.solve(factor, self.residual[:, :, None])[:, :, 0]
         logs = np.log(np.einsum("wii->wi", factor)).sum(axis=1)
         return np.asarray(-0.5 * (white**2).sum(axis=1) - logs - 0.5 * len(self.rows) * LOG_2PI)
@@ -126,7 +128,7 @@ class Likelihood:
 
     def _law(self, one: Measured, values: Mapping[str, Array], points: Array) -> Normal:
         rows = np.flatnonzero(one.known)
-        mean, emulator = predicted(self.fits[one.output], points[:, rows])
+        mean, emulator = self._emulators[one.output].predicted(points[:, rows])
         if not self.problem.emulator_error:
             emulator = np.zeros_like(emulator)
         given = one.errors[rows] ** 2
@@ -142,6 +144,10 @@ class Likelihood:
                 values.get(length_name(one.output)),
             )
         return Normal(one, rows, mean, emulator, bias, noise)
+
+    @cached_property
+    def _emulators(self) -> dict[str, Emulator]:
+        return {name: Emulator(fit) for name, fit in self.fits.items()}
 
     @cached_property
     def _distances(self) -> dict[str, Array]:

@@ -48,7 +48,7 @@ class HalfNormal:
 
     def ppf(self, u: ArrayLike, /) -> Array:
         """Value below which the probability is u."""
-        return np.asarray(self.scale * np.sqrt(2.0) * special.erfinv(u))
+        return np.asarray(self.scale * np.sqrt(2.0) * special.erfinv(np.asarray(u, dtype=float)))
 
     def __str__(self) -> str:
         return f"half-normal(scale={self.scale:.4g})"
@@ -63,7 +63,9 @@ class LogNormal:
 
     def ppf(self, u: ArrayLike, /) -> Array:
         """Value below which the probability is u."""
-        return np.asarray(self.median * np.exp(self.spread * special.ndtri(u)))
+        return np.asarray(
+            self.median * np.exp(self.spread * special.ndtri(np.asarray(u, dtype=float)))
+        )
 
     def __str__(self) -> str:
         return f"lognormal(median={self.median:g}, ln sd={self.spread:g})"

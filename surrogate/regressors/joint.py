@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from surrogate.regressors.columns import expand
 from surrogate.regressors.matern import ROOT5, correlation
 
 if TYPE_CHECKING:
@@ -28,12 +29,12 @@ Array = NDArray[np.float64]
 def joint(process: GaussianProcess, X: Array) -> tuple[Array, Array]:
     """Means (m, n) and covariances (m, n, n) of runs at m sets of n coded points X (m, n, d)."""
     sets, size, _ = X.shape
-    points, one = process.expanded(X.reshape(sets * size, -1)), process.factors_
+    points, one = expand(X.reshape(sets * size, -1), process.columns_), process.factors_
     with_runs = correlation(points, process.points_, process.lengths_)
     trend = process.trend_columns(points)
     mean = with_runs @ process.weights_ + trend @ process.trend_
     explained = linalg.solve_triangular(
-        one.factor, with_runs.T, lower=True, overwrite_b=True, check_finite=False
+        one.factor, with_runs.T, lower=True, check_finite=False
     ).T.reshape(sets, size, -1)
     rest = (trend - with_runs @ one.solved).reshape(sets, size, -1)
     found = _within(points.reshape(sets, size, -1), process.lengths_, process.nugget_)

@@ -207,7 +207,8 @@ class Polynomial(TermRegressor):
     def predict_joint(self, X: ArrayLike) -> tuple[Array, Array]:
         """Means (m, n) and covariances (m, n, n) of new runs at m sets of n coded points."""
         points = np.asarray(X, dtype=float)
-        rows = self.rows(points.reshape(-1, points.shape[2]))
+        flat = expand(points.reshape(-1, points.shape[2]), self.columns_)
+        rows = design_matrix(self.terms_, flat)
         shape = points.shape[:2]
         mean: Array = rows @ self.coef_
         return mean.reshape(shape), self.model_.covariance(rows.reshape(*shape, -1))

@@ -7,8 +7,8 @@ has ends and truncates any other: F(x) = (F0(x) - F0(a)) / (F0(b) - F0(a)) on [a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -43,32 +43,39 @@ class Distribution:
         """True when both ends of the support are finite."""
         return all(map(math.isfinite, self.support))
 
-    def _ends(self, function: Callable[[float], Any]) -> tuple[float, float]:
-        return float(function(self.support[0])), float(function(self.support[1]))
+    @cached_property
+    def _below(self) -> tuple[float, float]:
+        """Probabilities of the base below both ends."""
+        return float(self.base.cdf(self.support[0])), float(self.base.cdf(self.support[1]))
+
+    @cached_property
+    def _above(self) -> tuple[float, float]:
+        """Probabilities of the base above both ends."""
+        return float(self.base.sf(self.support[0])), float(self.base.sf(self.support[1]))
 
     def cdf(self, x: ArrayLike) -> NDArray[np.float64]:
         """Probability of a value below x, for the truncated distribution; same shape as x."""
-        low, high = self._ends(self.base.cdf)
+        low, high = self._below
         return _clipped((self.base.cdf(x) - low) / (high - low), (0.0, 1.0))
 
     def sf(self, x: ArrayLike) -> NDArray[np.float64]:
         """1 - cdf(x) without cancellation in the upper tail."""
-        low, high = self._ends(self.base.sf)
+        low, high = self._above
         return _clipped((self.base.sf(x) - high) / (low - high), (0.0, 1.0))
 
     def ppf(self, u: ArrayLike) -> NDArray[np.float64]:
         """Value below which the probability is u."""
-        low, high = self._ends(self.base.cdf)
+        low, high = self._below
         return _clipped(self.base.ppf(low + np.asarray(u) * (high - low)), self.support)
 
     def isf(self, u: ArrayLike) -> NDArray[np.float64]:
         """Value above which the probability is u, accurate for small u."""
-        low, high = self._ends(self.base.sf)
+        low, high = self._above
         return _clipped(self.base.isf(high + np.asarray(u) * (low - high)), self.support)
 
     def pdf(self, x: ArrayLike) -> NDArray[np.float64]:
         """Density at x; zero outside the support."""
-        low, high = self._ends(self.base.cdf)
+        low, high = self._below
         x = np.asarray(x, dtype=float)
         inside = (x >= self.support[0]) & (x <= self.support[1])
         return np.where(inside, self.base.pdf(x) / (high - low), 0.0)
