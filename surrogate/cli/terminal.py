@@ -216,6 +216,8 @@ def outcome(study: Study, done: Outcome) -> Page:
         parts += [*validation_tables(figures["validation"]), ""]
     if figures["screening"]:
         parts.append(_screening_line(figures["screening"]))
+    if figures["learning"]:
+        parts += _learning_lines(figures["learning"], figures["comparison"])
     if figures["failures"]:
         parts.append(figures["failures"]["sentence"])
     parts += [
@@ -231,6 +233,19 @@ def _screening_line(screening: Mapping[str, Any]) -> str:
         return f"screening: nothing is frozen. {screening['refused']}"
     frozen = ", ".join(screening["freeze"]) or "nothing"
     return f"screening: keep {', '.join(screening['keep']) or 'nothing'}; may be frozen: {frozen}"
+
+
+def _learning_lines(learning: Mapping[str, Any], comparison: Mapping[str, Any]) -> list[str]:
+    """What the curve of each output's best surrogate says; of the first where it has none."""
+    outputs, names = learning["output"]["values"], learning["surrogate"]["values"]
+    best = dict(zip(comparison["output"]["values"], comparison["best"]["values"], strict=True))
+    lines = []
+    for k, output in enumerate(outputs):
+        said = [row[k] for row in learning["sentence"]["values"]]
+        own = names.index(best[output]) if best[output] in names else 0
+        text = said[own] or next(filter(None, said))
+        lines += [f"{output}: {sentence}" for sentence in text.splitlines()]
+    return lines
 
 
 def _place(row: Mapping[str, Any]) -> str:

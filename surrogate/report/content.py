@@ -37,6 +37,7 @@ class Content:
     regression      surrogate -> output -> regression table
     sensitivity     dataset over (output, parameter)
     screening       which parameters to keep
+    learning        dataset over (surrogate, output, size)
     solve           goal -> inputs that reach it
     validation      dataset over (model, output, case)
     aliasing        design -> aliasing of a two-level fraction
@@ -56,6 +57,7 @@ class Content:
     regression: Mapping[str, Mapping[str, xr.Dataset]] = field(default_factory=dict)
     sensitivity: xr.Dataset | None = None
     screening: Screening | None = None
+    learning: xr.Dataset | None = None
     solve: Mapping[str, Solution] = field(default_factory=dict)
     validation: xr.Dataset | None = None
     aliasing: Mapping[str, Aliasing] = field(default_factory=dict)

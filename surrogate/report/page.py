@@ -22,6 +22,7 @@ from surrogate.report.sections import (
     explore,
     fields,
     indices,
+    learning,
     parameters,
     provenance,
     runs,
@@ -100,6 +101,8 @@ def _sections(content: Content) -> Iterator[Section]:
     if content.validation is not None:
         yield validation.section(content.validation)
     yield screening.section(content)
+    if content.learning is not None:
+        yield learning.section(content, content.learning)
     if content.solve:
         yield solve.section(content)
     yield parameters.section(content)

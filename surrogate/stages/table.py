@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from surrogate.runs.netcdf import encoded
-from surrogate.stages import candidates, fits, portable, sensitivity, solve
+from surrogate.stages import candidates, fits, learning, portable, sensitivity, solve
 from surrogate.stages.aliasing import aliasing
 from surrogate.stages.comparison import comparison
 from surrogate.stages.failures import failures
@@ -139,6 +139,15 @@ STAGES = (
         kept=False,
     ),
     Stage(
+        "learning",
+        reads=("learning_rule", "sensitivity_method", "space", "surrogates"),
+        needs=("runs", "fits", "comparison"),
+        jobs=learning.jobs,
+        does=learning.gather,
+        files=_dataset("learning.nc"),
+        figures=figures_of,
+    ),
+    Stage(
         "candidates",
         reads=("problems", "space", "recorded"),
         needs=("fits", "comparison"),
@@ -175,6 +184,7 @@ STAGES = (
             "regression",
             "sensitivity",
             "screening",
+            "learning",
             "solve",
             "reduced_study",
             "validation",

@@ -83,6 +83,7 @@ def parts_of(study: Study) -> dict[str, Part]:
             method, "sensitivity", more=of_object(method.function) if method else ""
         ),
         "screening_rule": part(study.screening_rule, "screening"),
+        "learning_rule": part(study.learning_rule, "learning", more=repr(study.learning_rule)),
         "nominal": part(study.nominal, more=study.nominal),
         "problems": part(study.problems, more=repr(study.problems)),
         "validation_rule": part(rule, "validation", more=models),

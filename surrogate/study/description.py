@@ -22,6 +22,7 @@ from surrogate.solving.problem import Problem
 from surrogate.space.space import Space
 from surrogate.stages.aliasing import aliases
 from surrogate.stages.fits import Surrogate
+from surrogate.stages.learning import LearningRule
 from surrogate.stages.screening import ScreeningRule, nominal_values
 from surrogate.stages.sensitivity import SensitivityMethod
 from surrogate.stages.yaml_text import write_yaml
@@ -50,6 +51,7 @@ class Description(Carded):
     surrogates: Mapping[str, Surrogate]
     sensitivity_method: SensitivityMethod | None
     screening_rule: ScreeningRule | None
+    learning_rule: LearningRule | None
     problems: Mapping[str, Problem]
     execution: ExecutionPart
     stored_runs: tuple[StoredRuns, ...]

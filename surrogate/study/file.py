@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from surrogate.errors import KeyPath, Mistake, nearest
 from surrogate.study.credibility_part import CredibilityPart, EvidencePart
+from surrogate.study.learning_part import LearningPart, UntilPart
 from surrogate.study.parts import (
     ConstantPart,
     DataOutputPart,
@@ -193,6 +194,8 @@ def _keys_at(path: KeyPath) -> list[str]:
         return list((DataTestPart if path[1] == "test" else DataOutputPart).model_fields)
     if path[:1] == ("solve",) and len(path) > 2:
         return list((TargetPart if path[2] == "target" else DesirePart).model_fields)
+    if path == ("learning", "until"):
+        return list(UntilPart.model_fields)
     if path[:1] == ("credibility",) and len(path) > 1:
         return list(EvidencePart.model_fields)
     if path[:2] == ("validation", "models") and len(path) > 2:
@@ -206,6 +209,7 @@ def _keys_at(path: KeyPath) -> list[str]:
         "surrogates": SurrogatePart,
         "sensitivity": SensitivityPart,
         "screening": ScreeningPart,
+        "learning": LearningPart,
         "solve": SolvePart,
         "validation": ValidationPart,
         "credibility": CredibilityPart,

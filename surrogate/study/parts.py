@@ -13,6 +13,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, model_validator
 
 from surrogate.study.credibility_part import CredibilityPart
+from surrogate.study.learning_part import LearningPart
 from surrogate.study.part import OpenPart, Part
 from surrogate.study.solve_part import SolvePart
 from surrogate.study.values import Duration, Name, Number, Size, Texts, names_only
@@ -344,6 +345,10 @@ class ExecutionPart(Part):
         return self.places or self.workers
 
 
+def _asked(value: Any) -> Any:
+    return {} if value is None else value
+
+
 class StudyPart(Part):
     """A study file."""
 
@@ -426,6 +431,15 @@ class StudyPart(Part):
         None,
         description="Which parameters may be frozen; the reduced study is written.",
         examples=[{"freeze_below": 0.02}],
+    )
+    learning: Annotated[
+        LearningPart | None,
+        BeforeValidator(_asked, json_schema_input_type=LearningPart | None),
+    ] = Field(
+        None,
+        description="Learning curves: the error against the number of runs, what doubling them "
+        "would bring, and how many a goal needs. The word alone asks for them without a goal.",
+        examples=[{"until": {"q2": 0.99}}, {"until": {"rmse": "0.4 mmHg"}, "surrogate": "gp"}],
     )
     solve: dict[Name, SolvePart] = Field(
         {},

@@ -15,6 +15,7 @@ from surrogate.study.reading.constants import constants_of
 from surrogate.study.reading.data import Data, columns_of, data_of, described, recorded_of
 from surrogate.study.reading.designs import designs_of, replicated
 from surrogate.study.reading.execution import check_execution
+from surrogate.study.reading.learning import learning_of
 from surrogate.study.reading.methods import check_screening, sensitivity_of, surrogates_of
 from surrogate.study.reading.mistakes import Reading, sentences
 from surrogate.study.reading.parameters import space_of
@@ -66,6 +67,9 @@ def fields_of(
         check_screening(notes, fields["outputs"])
     rule = part.screening
     fields["screening_rule"] = ScreeningRule(rule.freeze_below, rule.outputs) if rule else None
+    fields["learning_rule"] = learning_of(
+        notes, solver, fields["outputs"], fields["sensitivity_method"]
+    )
     fields["stored_runs"] = (*stored_of(notes), *([rows.runs] if rows else []))
     fields["notes"] = (*notes.notes, *(rows.notes if rows else ()))
     fields["problems"] = (
