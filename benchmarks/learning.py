@@ -1,18 +1,26 @@
 """Learning curves: from half of the runs, is the number that a goal needs told rightly?
 
-python benchmarks/learning.py           the best surrogate of each function
-python benchmarks/learning.py all       quadratic, polynomial chaos and Gaussian process
+    python benchmarks/learning.py           the best surrogate of each function
+    python benchmarks/learning.py all       quadratic, polynomial chaos and Gaussian process
+
+Twenty runs a parameter (Latin hypercube), judged on 512 others. The goal is an RMSE that the
+curve of all runs shows to be met with 1.5 and with 2 times the first half; the first half alone
+estimates the runs that it needs. The best surrogate is the one that the first half names so.
 """
 
 from __future__ import annotations
 
 import argparse
+from contextlib import suppress
 
 import numpy as np
 from scipy.stats import qmc
 
+from surrogate.errors import FitError
 from surrogate.fitting.fit import fit
+from surrogate.fitting.forecast import Ends, crossing
 from surrogate.fitting.learning import Curve, learn
+from surrogate.fitting.power_law import power_law
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Quadratic
@@ -73,7 +81,7 @@ FUNCTIONS = {
     "friedman": Friedman(),
     "hartmann_3": Hartmann(),
 }
-TESTED = 500
+TESTED = 512
 
 
 def space_of(solver) -> Space:
@@ -91,18 +99,19 @@ def runs_of(solver, seed: int = 0) -> int:
     return 20 * max(len(solver.inputs), 4)
 
 
-def curves(solver, estimator, seed: int = 0) -> tuple[Curve, Curve]:
-    """From the first half of the runs, and from all of them."""
+def curves(solver, estimator, seed: int = 0) -> tuple[Curve, Curve, float]:
+    """From the first half of the runs, from all of them, and the first half's RMSE (left out)."""
     space, runs = space_of(solver), runs_of(solver)
     coded = 2.0 * qmc.LatinHypercube(space.size, seed=seed).random(runs) - 1.0
     test = 2.0 * qmc.Sobol(space.size, seed=seed).random(TESTED) - 1.0
     values, truth = evaluated(solver, space, coded), evaluated(solver, space, test)
     estimator = estimator(space=space)
-    found = []
+    found, errors = [], []
     for k in (runs // 2, runs):
         whole = fit(space, coded[:k], values[:k], estimator)
+        errors.append(whole.rmse)
         found.append(learn(whole, estimator, (test, truth), seed=seed))
-    return found[0], found[1]
+    return found[0], found[1], errors[0]
 
 
 METHODS = {

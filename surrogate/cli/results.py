@@ -3,7 +3,7 @@
 journal/              every finished run, as it finishes
 designs/              points of designs that were searched for
 runs.nc               the runs dataset
-comparison.nc, sensitivity.nc, regression.nc, validation.nc
+comparison.nc, sensitivity.nc, regression.nc, learning.nc, validation.nc
 surrogates/*.json     surrogates that evaluate without this package
 summary.json          the figures of the report, for scripts
 study.yaml            the study as run

@@ -3,8 +3,9 @@
     error(n) = a n^-b + c,                        c >= 0     surrogates of any form
     error(n) = a ((n - 1) / (n - 1 - p))^(b / 2)             least squares of p given terms
 
-The second is the error of least squares whose terms leave something out, b = 1 for normal
-inputs (Breiman and Freedman 1983, doi 10.1080/01621459.1983.10477941): it stops falling at a.
+The second is the error of least squares whose terms, the constant one of them, leave something
+out, b = 1 for normal inputs (Breiman and Freedman 1983, doi
+10.1080/01621459.1983.10477941): it stops falling at a.
 Both are fitted to the medians of the subsets by weighted least squares of the logarithm. Weights
 rise as n^2, because the largest subsets tell most of still larger ones (Figueroa et al. 2012, doi
 10.1186/1472-6947-12-8, have them rise as n). The floor c is kept where it betters the fit
