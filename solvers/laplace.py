@@ -14,11 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from surrogate.errors import SolverError, StudyError, nearest
+from surrogate.scene import Scene
 from surrogate.solver import Input, Output
 
 from .leg_bandage.geometry.feasibility import check_leg
 from .leg_bandage.geometry.landmarks import RULES, Disc, sensor
 from .leg_bandage.geometry.leg import Leg
+from .leg_bandage.outputs.scene import leg_scene
 from .leg_bandage.parameters import TENSION, check_ranges, shapes_in
 
 MMHG = 1.33322e-4
@@ -139,3 +141,17 @@ class Laplace:
             "b1_height": disc.z,
             "pressure_around_b1": laplace_pressure(tension, around, self.layers),
         }
+
+    def scene(
+        self,
+        mu_skin: float,
+        tension: float,
+        leg_length: float,
+        alpha1: float,
+        alpha2: float,
+        alpha3: float,
+        alpha4: float,
+    ) -> Scene:
+        """The leg with the sensor: see `surrogate.scene`."""
+        leg = Leg.from_alphas(leg_length, (alpha1, alpha2, alpha3, alpha4), self.basis)
+        return leg_scene(leg, rule=self.b1_rule)

@@ -18,11 +18,12 @@ inheritance: ::
 A study calls the class with the study's solver options and then the instance
 once a run, by keyword, in the units that `inputs` states.
 
-Four more attributes are optional: `deterministic = False` says that the same inputs
+Five more attributes are optional: `deterministic = False` says that the same inputs
 may give another answer, so that replicates are run; `identity_options` is the
 mapping of those options that change answers, when some do not (a time limit);
 `constraints` is a tuple of `Constraint`, where the ranges of the inputs hang on each other;
-`told = True` says that it is never called, because its answers are told (`surrogate.Campaign`).
+`told = True` says that it is never called, because its answers are told (`surrogate.Campaign`);
+`scene(**inputs)` gives its geometry, which the report turns and colours (`surrogate.scene`).
 """
 
 from __future__ import annotations

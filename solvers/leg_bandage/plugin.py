@@ -11,10 +11,12 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from surrogate.errors import SolverError, StudyError, nearest
+from surrogate.scene import Scene
 from surrogate.solver import Input
 
 from .algebra.direct import ENGINES
@@ -44,6 +46,7 @@ from .geometry.landmarks import RULES
 from .geometry.leg import Leg
 from .outputs.answers import OUTPUTS, answers
 from .outputs.result import Result
+from .outputs.scene import leg_scene
 from .parameters import CONSTRAINTS, INPUTS, SHAPE, complete, shapes_in
 from .wrapping.lay import element_rows, lay
 from .wrapping.spiral import Wrap, wrap_for
@@ -123,26 +126,27 @@ class LegBandage:
         start = time.perf_counter()
         q = complete(self.inputs, inputs)
         if leg is None:
-            leg = Leg.from_alphas(
-                q["leg_length"], [q[f"alpha{i}"] for i in range(1, 5)], self.basis
-            )
+            leg = self._leg(q)
         elif twice := [name for name in inputs if name in SHAPE]:
             raise SolverError(
                 f"{twice[0]}: the leg that is given has its own shape; leave {', '.join(twice)} out"
             )
         check_leg(leg)
-        leg = leg.extended(BELOW, ABOVE)
-        wrap = wrap_for(
-            leg.length,
-            overlap=q["overlap"],
-            width=q["width"],
-            stretch=q["stretch"],
-            thickness=q["thickness"],
-            start_height=q["start_height"],
-        )
+        leg, wrap = _wrapped(leg, q)
         model, u = self._solve(leg, wrap, self._material(q), q["wrapping"])
         values = answers(leg, model, u, self.b1_rule, q["sensor_around"], q["sensor_up"])
         return Result(leg, model, u, values, time.perf_counter() - start)
+
+    def scene(self, **inputs: float | str) -> Scene:
+        """The leg before it is pressed, with turns and sensor: see `surrogate.scene`."""
+        q = complete(self.inputs, inputs)
+        leg, wrap = _wrapped(self._leg(q), q)
+        place = {"around": q["sensor_around"], "up": q["sensor_up"]}
+        return leg_scene(leg, wrap, rule=self.b1_rule, **place, fields=("pressure_field",))
+
+    def _leg(self, q: Mapping[str, Any]) -> Leg:
+        alphas = [q[f"alpha{i}"] for i in range(1, 5)]
+        return Leg.from_alphas(q["leg_length"], alphas, self.basis)
 
     def _solve(
         self, leg: Leg, wrap: Wrap, material: Material, wrapping: str
@@ -178,6 +182,19 @@ class LegBandage:
             mu_skin=q["mu_skin"],
             mu_bandage=q["mu_bandage"],
         )
+
+
+def _wrapped(leg: Leg, q: Mapping[str, Any]) -> tuple[Leg, Wrap]:
+    """The leg taken beyond its cuts, and how the bandage is put on."""
+    wrap = wrap_for(
+        leg.length,
+        overlap=q["overlap"],
+        width=q["width"],
+        stretch=q["stretch"],
+        thickness=q["thickness"],
+        start_height=q["start_height"],
+    )
+    return leg.extended(BELOW, ABOVE), wrap
 
 
 def _named(fabric: str) -> Bandage:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from surrogate.conformance.scenes import scene_mistakes
 from surrogate.conformance.verdict import attempt, conclude, documented, same
 from surrogate.errors import SolverError, nearest
 from surrogate.solver import Constraint, Input, Output
@@ -36,6 +37,7 @@ def check_solver(
     name = type(solver).__name__
     conclude(name, _declarations(solver))
     conclude(name, [*documented(solver), *(_answers(solver, runs, seed) if runs else ())])
+    conclude(name, scene_mistakes(solver, _points(solver, max(runs, 2), seed)))
     conclude(
         name, [*(_pickled(solver, runs) if picklable else ()), *_impossible(solver, impossible)]
     )

@@ -11,6 +11,7 @@ import xarray as xr
 
 from surrogate.designs.aliasing import Aliasing
 from surrogate.fitting.fit import Fit
+from surrogate.fitting.geometry import Geometry
 from surrogate.fitting.replicates import Replicates
 from surrogate.runs.names import RESERVED_NAMES
 from surrogate.sensitivity.screening import Screening
@@ -44,6 +45,7 @@ class Content:
     failures        the region where runs fail
     replicates      output -> scatter at repeated points
     reduced_study   text of the study file without the frozen parameters
+    scene           the solver's geometry over the parameters, or why it is not shown
     not_done        sentences about what the study asked for and could not be done
     known           what sections have worked out of a fit and an output, for those behind them
     """
@@ -64,6 +66,7 @@ class Content:
     failures: FailingRegion | None = None
     replicates: Mapping[str, Replicates] = field(default_factory=dict)
     reduced_study: str = ""
+    scene: Geometry | str | None = None
     not_done: Sequence[str] = ()
     known: dict[tuple[int, str], Any] = field(default_factory=dict, init=False, repr=False)
 

@@ -20,6 +20,7 @@ from surrogate.stages.reduced_study import reduced_study
 from surrogate.stages.regression import regression, tree
 from surrogate.stages.replicates import replicates
 from surrogate.stages.report import report
+from surrogate.stages.scene import scene
 from surrogate.stages.screening import screening
 from surrogate.stages.stage import Files, Stage
 from surrogate.stages.summary import figures_by_output, figures_of, json_data, summary, text
@@ -171,6 +172,7 @@ STAGES = (
         files=_dataset("validation.nc"),
         figures=figures_of,
     ),
+    Stage("scene", reads=("scene_of", "space", "fixed"), needs=(), does=scene),
     Stage(
         "report",
         reads=("name", "about", "space"),
@@ -188,6 +190,7 @@ STAGES = (
             "solve",
             "reduced_study",
             "validation",
+            "scene",
             "not_done",
         ),
         does=report,

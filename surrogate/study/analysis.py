@@ -88,4 +88,5 @@ def parts_of(study: Study) -> dict[str, Part]:
         "problems": part(study.problems, more=repr(study.problems)),
         "validation_rule": part(rule, "validation", more=models),
         "fixed": part(fixed, more=repr(fixed)),
+        "scene_of": part(getattr(solver, "scene", None), more=study.spec.context),
     }

@@ -27,6 +27,7 @@ from surrogate.stages.failures import failures
 from surrogate.stages.fits import Fits
 from surrogate.stages.regression import regression
 from surrogate.stages.replicates import replicates
+from surrogate.stages.scene import scene
 from surrogate.stages.screening import screening
 from surrogate.stages.validation import validation
 from surrogate.study import reading
@@ -308,6 +309,11 @@ class Study(Description):
             failures=failures(self.space, runs),
             replicates=replicates(self.outputs, self.spec.deterministic, runs),
             reduced_study=reduced,
+            scene=scene(
+                getattr(self.spec.solver, "scene", None),
+                self.space,
+                fixed_inputs(self.spec.solver, self.space, self.constants),
+            ),
             not_done=not_done,
         )
 

@@ -110,11 +110,18 @@ class Disc:
         nodes, weights = _gauss(rings)
         ring = self.diameter / 2 * np.sqrt((nodes + 1) / 2)
         angle = 2 * np.pi * (np.arange(spokes) + 0.5) / spokes
-        along = np.outer(ring, np.cos(angle)).ravel()
-        slant = np.linalg.norm(leg.surface(self.theta, self.z, d_z=1))
-        z = self.z + np.outer(ring, np.sin(angle)).ravel() / slant
-        theta = _walk(leg, self.theta, z, along)
+        theta, z = self._laid(leg, np.outer(ring, np.cos(angle)), np.outer(ring, np.sin(angle)))
         return theta, z, np.repeat(weights / 2, spokes) / spokes
+
+    def rim(self, leg: Leg, points: int = 32) -> tuple[np.ndarray, np.ndarray]:
+        """theta and z (mm) of evenly spaced points of the rim, laid as `points` are, (n,)."""
+        angle = 2 * np.pi * np.arange(points) / points
+        return self._laid(leg, self.diameter / 2 * np.cos(angle), self.diameter / 2 * np.sin(angle))
+
+    def _laid(self, leg: Leg, along: np.ndarray, up: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        slant = np.linalg.norm(leg.surface(self.theta, self.z, d_z=1))
+        z = self.z + up.ravel() / slant
+        return _walk(leg, self.theta, z, along.ravel()), z
 
     def moved(self, leg: Leg, around: float = 0.0, up: float = 0.0) -> Disc:
         """The disc with its centre moved along the skin, mm: around (to rising theta) and up."""

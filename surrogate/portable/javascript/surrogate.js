@@ -41,6 +41,20 @@ function atPlace(model, place) {
   return Object.assign(add, { cost: modes.cost });
 }
 
+// Means of the amplitudes of a field's modes, (modes,), at a coded point.
+export function amplitudesOf(model) {
+  const own = model.amplitudes.map((one) =>
+    combination([completed(model.common ?? {}, one)], [1]));
+  return (coded) => {
+    const points = Array.from(coded, (t) => Float64Array.of(t));
+    return own.map((add) => {
+      const mean = new Float64Array(1);
+      add(points, 1, mean, null);
+      return mean[0];
+    });
+  };
+}
+
 // The surrogate of a document whose numbers are unpacked; `place` matters to a field only.
 //   predict(points, size, spread)  {mean, deviation, half} of points given as one array (size,)
 //                                  a coordinate; without `spread` only the mean

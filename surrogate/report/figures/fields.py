@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import struct
-import zlib
-
 import numpy as np
 from markupsafe import Markup
 
 from surrogate.report import digits
 from surrogate.report.drawing import Panel, group, path, span, tag, text
 from surrogate.report.plot import Column, Plot, column, plot
+from surrogate.report.png import png_address
 
 #: Points along a side of a map beyond which it is drawn coarser.
 FINEST = 400
@@ -190,17 +187,4 @@ def _picture(share: np.ndarray) -> str:
     part = (at - base)[..., None]
     pixels = np.round(stops[base] * (1.0 - part) + stops[base + 1] * part).astype(np.uint8)
     pixels[np.isnan(share)] = 255
-    height, width = share.shape
-    lines = b"".join(b"\0" + row.tobytes() for row in pixels)
-    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    png = (
-        b"\x89PNG\r\n\x1a\n"
-        + _chunk(b"IHDR", header)
-        + _chunk(b"IDAT", zlib.compress(lines, 9))
-        + _chunk(b"IEND", b"")
-    )
-    return "data:image/png;base64," + base64.b64encode(png).decode("ascii")
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return png_address(pixels)

@@ -17,6 +17,7 @@ from surrogate.report.content import Content
 from surrogate.report.figures.slices import centre
 from surrogate.report.profiler.chosen import Chosen
 from surrogate.report.profiler.laws import drawn_by, told
+from surrogate.report.profiler.scene_data import scene_data, shown_geometry
 from surrogate.space.discrete import DiscreteLaw
 from surrogate.space.space import Parameter, Space
 
@@ -39,6 +40,7 @@ def _study(content: Content, shown: list[Chosen]) -> dict[str, Any]:
     space = content.space
     start = space.decode(starting_point(content))
     finished = np.flatnonzero(content.ok)
+    geometry = shown_geometry(content)
     return {
         "study": content.name,
         "parameters": [
@@ -49,6 +51,7 @@ def _study(content: Content, shown: list[Chosen]) -> dict[str, Any]:
         "equalities": _equalities(space),
         "clouds": _clouds(content, shown),
         "outputs": [_output(content, one) for one in shown],
+        "scene": None if geometry is None else scene_data(content, shown, geometry),
         "runs": {
             "coded": content.coded[finished].tolist(),
             "numbers": [str(number) for number in content.numbers[finished]],

@@ -17,10 +17,13 @@ from surrogate.portable.joined import bare, bare_style, script
 from surrogate.report.content import Content
 from surrogate.report.profiler.chosen import Chosen
 from surrogate.report.profiler.payload import payload
+from surrogate.report.profiler.scene_data import shown_geometry
+from surrogate.report.profiler.stills import stills
 
 HERE = Path(__file__).parent
 _LAYOUT = Markup(
     '<div class="profiler" id="explore-profiler" hidden></div>\n'
+    "{still}"
     "<noscript><p>The profiler needs scripts, which this browser does not run.</p></noscript>\n"
     '<script type="text/plain" id="explore-data">{data}</script>\n'
     '<script type="text/plain" id="explore-program">{program}</script>\n'
@@ -32,7 +35,9 @@ def widget(content: Content, shown: list[Chosen]) -> Markup:
     """Everything of the profiler that stands in the page."""
     data = json.dumps(payload(content, shown), separators=(",", ":"), allow_nan=False)
     unpack = Markup(bare((HERE / "unpack.js").read_text(encoding="utf-8")))
-    return _LAYOUT.format(data=_packed(data), program=program(), unpack=unpack)
+    geometry = shown_geometry(content)
+    still = Markup("") if geometry is None else stills(content, shown, geometry)
+    return _LAYOUT.format(data=_packed(data), program=program(), unpack=unpack, still=still)
 
 
 @cache

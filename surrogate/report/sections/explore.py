@@ -8,6 +8,7 @@ from surrogate.report import digits
 from surrogate.report.blocks import Block, Live, Section, Text
 from surrogate.report.content import Content
 from surrogate.report.profiler.chosen import Chosen, chosen, notes
+from surrogate.report.profiler.scene_data import scene_note
 from surrogate.report.profiler.widget import widget
 
 
@@ -18,6 +19,8 @@ def sections(content: Content) -> Iterator[Section]:
         return
     blocks: list[Block] = [Text(_sentence(content, shown))]
     blocks += [Text(words, "note") for words in notes(content, shown)]
+    if words := scene_note(content):
+        blocks.append(Text(words, "note"))
     yield Section("explore", "Explore", (*blocks, Live(widget(content, shown))))
 
 

@@ -2,6 +2,7 @@
 import { unpacked } from "../../../portable/javascript/numbers.js";
 import { surrogate } from "../../../portable/javascript/surrogate.js";
 import { merit, probability } from "./desirability.js";
+import { geometryOf } from "./geometry.js";
 import { largest } from "./search.js";
 import { simulate } from "./simulation.js";
 import { spaceOf } from "./space.js";
@@ -195,5 +196,16 @@ export function engine(data) {
     return simulate(study, models(chosen), { ...asked, held: kept }, pause);
   }
 
-  return { space, profile, contour, search, draw };
+  // Places and colours of the scene, and the values that its marks show; fast enough for the page's
+  // own thread, where it waits for no other answer.
+  const geometry = data.scene && geometryOf(data.scene, data.outputs);
+  function scene({ values: asked, field, places: chosen }) {
+    const values = followed(asked);
+    const coded = space.encode(values);
+    const said = data.scene.marks.map(({ output }) => (output === null ? null
+      : model(output, chosen[output]).predict(columnsOf([coded]), 1, false).mean[0]));
+    return { ...geometry(coded, values, field), said };
+  }
+
+  return { space, profile, contour, search, draw, scene };
 }

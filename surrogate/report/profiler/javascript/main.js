@@ -4,9 +4,10 @@ import { chances } from "./chances.js";
 import { contour } from "./contour.js";
 import { copying } from "./copying.js";
 import { el } from "./elements.js";
-import { opened } from "./engine.js";
+import { engine, opened } from "./engine.js";
 import { goals } from "./goals.js";
 import { matrix } from "./matrix.js";
+import { scenePanel } from "./scene.js";
 import { serving } from "./serving.js";
 import { stateOf } from "./state.js";
 import { tabs } from "./tabs.js";
@@ -25,8 +26,8 @@ function start(root) {
   const rows = matrix(data, state);
   const aims = goals(data, state, ask, fail);
   const copies = copying(data, state, aims.asked);
-  const parts = [contour(data, state, ask, fail), aims, chances(data, state, ask, fail)]
-    .filter(Boolean);
+  const parts = [scenePanel(data, state, engine(data).scene), contour(data, state, ask, fail), aims,
+    chances(data, state, ask, fail)].filter(Boolean);
   const more = tabs(parts);
   root.append(
     el("div", { class: "bar" }, warned, ...copies.buttons,
@@ -62,7 +63,7 @@ function start(root) {
 
   state.listen((changed) => {
     if (!changed.includes("held")) refresh().catch(fail);
-    parts.forEach((one) => one.refresh?.());
+    parts.forEach((one) => one.refresh?.(changed));
   });
   root.hidden = false;
   document.documentElement.classList.add("explored");

@@ -1,0 +1,48 @@
+// Turning and zooming of a view by pointer, wheel and keys.
+
+const clamped = (value, low, high) => Math.min(Math.max(value, low), high);
+
+// Changes `view` in place and calls moved(); read(event) is told of pointers that only point.
+export function turning(canvas, view, home, moved, read) {
+  const turn = (around, up) => {
+    view.azimuth += around;
+    view.elevation = clamped(view.elevation + up, -90, 90);
+    moved();
+  };
+  const zoom = (factor) => {
+    view.zoom = clamped(view.zoom * factor, 0.5, 8);
+    moved();
+  };
+  let before = null;
+  canvas.addEventListener("pointerdown", (event) => {
+    before = [event.clientX, event.clientY];
+    canvas.setPointerCapture(event.pointerId);
+    read(event);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!before) {
+      read(event);
+      return;
+    }
+    const now = [event.clientX, event.clientY];
+    turn(-0.5 * (now[0] - before[0]), event.pointerType === "touch" ? 0 : 0.4 * (now[1] - before[1]));
+    before = now;
+  });
+  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { before = null; });
+  canvas.addEventListener("wheel", (event) => {
+    if (document.activeElement !== canvas && !event.ctrlKey) return;
+    event.preventDefault();
+    zoom(Math.exp(-event.deltaY / 500));
+  }, { passive: false });
+  const keys = { ArrowLeft: () => turn(8, 0), ArrowRight: () => turn(-8, 0),
+    ArrowUp: () => turn(0, -8), ArrowDown: () => turn(0, 8), "+": () => zoom(1.15),
+    "=": () => zoom(1.15), "-": () => zoom(1 / 1.15), 0: () => {
+      Object.assign(view, home);
+      moved();
+    } };
+  canvas.addEventListener("keydown", (event) => {
+    if (!keys[event.key] || event.metaKey || event.ctrlKey || event.altKey) return;
+    event.preventDefault();
+    keys[event.key]();
+  });
+}
