@@ -1,16 +1,14 @@
 """Learning curves: from half of the runs, is the number that a goal needs told rightly?
 
-    python benchmarks/learning.py           the best surrogate of each function
-    python benchmarks/learning.py all       quadratic, polynomial chaos and Gaussian process
+    python benchmarks/learning.py
 
 Twenty runs a parameter (Latin hypercube), judged on 512 others. The goal is an RMSE that the
 curve of all runs shows to be met with 1.5 and with 2 times the first half; the first half alone
-estimates the runs that it needs. The best surrogate is the one that the first half names so.
+estimates the runs that it needs. A star marks the best surrogate by the first half.
 """
 
 from __future__ import annotations
 
-import argparse
 from contextlib import suppress
 
 import numpy as np
@@ -124,47 +122,38 @@ TIMES = (1.5, 2.0)
 FACTOR = 1.5
 
 
-def judged(first: Curve, whole: Curve, times: float) -> tuple[float, float, Ends]:
-    """The goal, the runs that the whole curve shows for it, and what the first half estimates."""
+def judged(first: Curve, whole: Curve, times: float) -> tuple[float, Ends]:
+    """The runs that the whole curve shows for a goal, and what the first half estimates."""
     runs = times * first.whole
     medians = np.nanmedian(np.log(whole.rmse), axis=0)
     goal = float(np.exp(np.interp(np.log(runs), np.log(whole.runs), medians)))
     law = power_law(first.runs, first.rmse, first.whole, terms=first.terms)
-    return goal, crossing(whole.runs, np.exp(medians), goal), law.needed(goal)
+    return crossing(whole.runs, np.exp(medians), goal), law.needed(goal)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("which", nargs="?", choices=["best", "all"], default="best")
-    every = parser.parse_args().which == "all"
-    right = {times: [0, 0, 0] for times in TIMES}
-    print(
-        f"{'':38s}{'runs':>6s}" + "".join(f"{f'  needs, estimate at {t:g}x':>38s}" for t in TIMES)
-    )
+    counts = {(which, times): np.zeros(3, int) for which in ("best", "all") for times in TIMES}
+    heads = "".join(f"{f'needs  estimate at {times:g}x':>30s}{'':11s}" for times in TIMES)
+    print(f"{'':39s}{'runs':>6s}{heads}")
     for name, solver in FUNCTIONS.items():
         found = {}
         for method, kind in METHODS.items():
             with suppress(FitError):  # too few runs for its terms
                 found[method] = curves(solver, kind)
         best = min(found, key=lambda method: found[method][2])
-        for method in found if every else [best]:
-            first, whole, _ = found[method]
-            line = f"{name:20s}{method:18s}{first.whole:6d}"
+        for method, (first, whole, _) in found.items():
+            line = f"{name:20s}{method:17s}{'*' if method == best else ' '} {first.whole:6d}"
             for times in TIMES:
-                _, truth, (value, low, high) = judged(first, whole, times)
+                truth, (value, low, high) = judged(first, whole, times)
                 close = truth / FACTOR <= value <= truth * FACTOR
-                line += f"{truth:10.0f}{value:8.0f} ({low:.0f} to {high:.0f})".ljust(34)
-                line += " ok " if close else " -- "
-                counts = right[times]
-                right[times] = [
-                    counts[0] + close,
-                    counts[1] + (low <= truth <= high),
-                    counts[2] + 1,
-                ]
+                line += f"{truth:10.0f}{f'{value:.0f} ({low:.0f} to {high:.0f})':>26s}"
+                line += " ok  " if close else " --  "
+                for which in ("all", "best") if method == best else ("all",):
+                    counts[which, times] += (close, low <= truth <= high, 1)
             print(line, flush=True)
-    for times, (close, held, total) in right.items():
+    for (which, times), (close, held, total) in counts.items():
         print(
-            f"goal met with {times:g} times the runs: {close} of {total} within a factor "
+            f"{which}, goal met with {times:g} times the runs: {close} of {total} within a factor "
             f"{FACTOR:g}; the 90 % interval holds {held}"
         )
 

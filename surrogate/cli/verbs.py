@@ -382,6 +382,22 @@ def store(
 
 
 @app.command()
+def compare(
+    a: Annotated[Path, typer.Argument(metavar="RESULTS_A", help="Results folder of a study.")],
+    b: Annotated[Path, typer.Argument(metavar="RESULTS_B", help="The folder to set beside it.")],
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    to: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The page; default: RESULTS_B/compare.html.")
+    ] = None,
+) -> None:
+    """Show what changed between two results folders, such as results/beam. Runs nothing."""
+    from surrogate.cli.comparing import compare as compared
+
+    _show(compared(a, b, to), as_json, hidden=quiet)
+
+
+@app.command()
 def serve(
     study: StudyFile,
     results_dir: Results = None,

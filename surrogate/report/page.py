@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -62,7 +62,17 @@ def build(content: Content, only: str = "") -> Page:
 
 
 def assembled(content: Content, sections: Sequence[Section], title: str) -> Page:
-    """A page of these sections in the style of the report."""
+    """A page of these sections about the runs of a study."""
+    return rendered(sections, title, _made(content), runs.for_pointing(content))
+
+
+def rendered(
+    sections: Sequence[Section], title: str, made: str, pointed: Mapping[str, str] | None = None
+) -> Page:
+    """A page of these sections in the style of the report.
+
+    made: from what, under the title. pointed: run number -> what its marks tell.
+    """
     environment = Environment(
         loader=_LOADER,
         autoescape=True,
@@ -78,8 +88,8 @@ def assembled(content: Content, sections: Sequence[Section], title: str) -> Page
             anchors={section.anchor for section in sections},
             style=_part(environment, "style.css"),
             script=_part(environment, "behaviour.js"),
-            made=_made(content),
-            runs=script_json(runs.for_pointing(content)),
+            made=made,
+            runs=script_json(pointed or {}),
         )
     )
 
