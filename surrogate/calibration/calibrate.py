@@ -86,7 +86,7 @@ def _posterior(likelihood: Likelihood, chains: Chains) -> Posterior:
         acceptance=chains.acceptance,
         converged=int(chains.converged),
     )
-    notes = [*_unconverged(figures, chains), *piled_up(problem, drawn, prior)]
+    notes = [*problem.notes, *_unconverged(figures, chains), *piled_up(problem, drawn, prior)]
     surrogates = {name: fit.surrogate for name, fit in likelihood.fits.items()}
     tree = _tree(likelihood, drawn, kept[1], prior, cases, shape)
     return Posterior(problem, own, tree, figures, surrogates, tuple(notes))

@@ -56,6 +56,8 @@ class Problem:
     draws           posterior draws to keep
     emulator_error  whether the surrogate's own error is part of the likelihood; False shows
                     what goes wrong without it
+    cases           the file of the measurements, as the study writes it
+    notes           sentences about the cases that a reader should know
     """
 
     space: Space
@@ -68,6 +70,8 @@ class Problem:
     draws: int = DRAWS
     seed: int = 0
     emulator_error: bool = True
+    cases: str = ""
+    notes: tuple[str, ...] = ()
 
     @property
     def free(self) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from surrogate.cli import calibrating
 from surrogate.cli.figures import COMPARED, INDICES, figure_tables, validation_tables
 from surrogate.cli.outcome import Outcome
 from surrogate.cli.page import Page
@@ -214,6 +215,8 @@ def outcome(study: Study, done: Outcome) -> Page:
             parts += [part for made in figure_tables(figures[key], titles) for part in (made, "")]
     if figures["validation"]:
         parts += [*validation_tables(figures["validation"]), ""]
+    if figures["calibration"]:
+        parts += [*calibrating.lines(figures["calibration"]), ""]
     if figures["screening"]:
         parts.append(_screening_line(figures["screening"]))
     if figures["learning"]:

@@ -364,6 +364,21 @@ def validate(
 
 
 @app.command()
+def calibrate(
+    study: StudyFile, results_dir: Results = None, as_json: AsJson = False, quiet: Quiet = False
+) -> None:
+    """Learn inputs from the measurements of calibration:, by the surrogates. Runs no solver."""
+    from surrogate.cli import calibrating, results
+    from surrogate.cli.progress import StagesBar
+
+    loaded = _read(study)
+    folder = results.folder_of(loaded, results_dir)
+    with StagesBar(loaded.name, hidden=quiet) as steps:
+        page = calibrating.calibrate(loaded, folder, steps)
+    _show(page, as_json, hidden=quiet)
+
+
+@app.command()
 def store(
     study: StudyFile,
     results_dir: Results = None,

@@ -12,7 +12,15 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from surrogate.runs.netcdf import encoded
-from surrogate.stages import candidates, fits, learning, portable, sensitivity, solve
+from surrogate.stages import (
+    calibration,
+    candidates,
+    fits,
+    learning,
+    portable,
+    sensitivity,
+    solve,
+)
 from surrogate.stages.aliasing import aliasing
 from surrogate.stages.comparison import comparison
 from surrogate.stages.failures import failures
@@ -49,6 +57,10 @@ def _regression_file(tables: Any) -> Mapping[str, memoryview]:
 def _solve_file(solutions: Any) -> Mapping[str, memoryview]:
     found = solve.tree(solutions)
     return {} if found is None else {"solve.nc": encoded(found)}
+
+
+def _posterior_file(found: Any) -> Mapping[str, memoryview]:
+    return {} if found is None else {"posterior.nc": encoded(found.tree, compressed=True)}
 
 
 STAGES = (
@@ -163,6 +175,15 @@ STAGES = (
         files=Files("solve.nc", _solve_file),
         figures=solve.figures,
         kept=False,
+    ),
+    Stage(
+        "calibration",
+        reads=("measured",),
+        needs=("fits", "comparison"),
+        jobs=calibration.jobs,
+        does=calibration.gather,
+        files=Files("posterior.nc", _posterior_file),
+        figures=calibration.figures,
     ),
     Stage(
         "validation",

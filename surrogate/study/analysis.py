@@ -57,6 +57,19 @@ def _cases(study: Study, folder: Path) -> Given:
     return Given(Result(cases), digest(cases.name, columns, cases.labels, cases.units))
 
 
+def _measured(study: Study) -> Part:
+    """The problem of calibration, and the measurements that it follows from."""
+    problem = study.calibration
+    if problem is None:
+        return Part(None, [])
+    numbers = [(one.output, one.values, one.errors) for one in problem.measured]
+    words = study.words.get("calibration")
+    return Part(
+        problem,
+        [words, problem.coded, problem.labels, numbers, repr(problem.priors), problem.notes],
+    )
+
+
 def parts_of(study: Study) -> dict[str, Part]:
     """The parts of a study that stages read, each with the words that it follows from."""
     words, solver = study.words, study.spec.solver
@@ -86,6 +99,7 @@ def parts_of(study: Study) -> dict[str, Part]:
         "learning_rule": part(study.learning_rule, "learning", more=repr(study.learning_rule)),
         "nominal": part(study.nominal, more=study.nominal),
         "problems": part(study.problems, more=repr(study.problems)),
+        "measured": _measured(study),
         "validation_rule": part(rule, "validation", more=models),
         "fixed": part(fixed, more=repr(fixed)),
         "scene_of": part(getattr(solver, "scene", None), more=study.spec.context),

@@ -9,6 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from surrogate.calibration.problem import Problem as Calibration
 from surrogate.card import Card, Carded, Rows
 from surrogate.designs.aliasing import Aliasing
 from surrogate.designs.design import Design
@@ -56,6 +57,7 @@ class Description(Carded):
     execution: ExecutionPart
     stored_runs: tuple[StoredRuns, ...]
     validation: Validation | None
+    calibration: Calibration | None
     notes: tuple[str, ...]
     source: Source = field(repr=False, compare=False)
 

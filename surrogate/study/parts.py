@@ -12,6 +12,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from surrogate.study.calibration_part import CalibrationPart
 from surrogate.study.credibility_part import CredibilityPart
 from surrogate.study.learning_part import LearningPart
 from surrogate.study.part import OpenPart, Part
@@ -450,6 +451,11 @@ class StudyPart(Part):
         None,
         description="Measurements, or a better model, that surrogates are compared with.",
         examples=["measured.csv"],
+    )
+    calibration: CalibrationPart | None = Field(
+        None,
+        description="Inputs that are learnt from measurements, with what is known of them before.",
+        examples=[{"cases": "measured.csv", "free": ["tension"]}],
     )
     credibility: CredibilityPart | None = Field(
         None,

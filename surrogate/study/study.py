@@ -18,6 +18,7 @@ from surrogate.execution.shared.work import Shared
 from surrogate.fitting.comparison import best
 from surrogate.fitting.fit import Fit
 from surrogate.sensitivity.screening import Screening
+from surrogate.stages import calibration as calibrating
 from surrogate.stages import fits as fitting
 from surrogate.stages import report as reporting
 from surrogate.stages import sensitivity as analysing
@@ -39,6 +40,7 @@ from surrogate.validation.cases import Cases, from_runs
 from surrogate.validation.validation import fixed_inputs
 
 if TYPE_CHECKING:
+    from surrogate.calibration.posterior import Posterior
     from surrogate.report import Page
 from surrogate.study.description import Description
 
@@ -280,6 +282,16 @@ class Study(Description):
             fits,
             self.cases(cases, results=results),
         )
+
+    def calibrate(self, fits: Fits, table: xr.Dataset | None = None) -> Posterior | None:
+        """What the measurements of `calibration:` say about inputs; None when it is not asked.
+
+        table: the comparison, which says which surrogate is best. Runs no solver.
+        """
+        if self.calibration is None:
+            return None
+        names = self.best(table)
+        return calibrating.posterior(self.calibration, names, fits)
 
     def report(
         self,

@@ -91,11 +91,11 @@ def validate(
     `surrogate.validation.agreement.FIGURES`. Raises `StudyError` for cells that are not understood.
     """
     columns = cases.inputs({p.name: p for p in space.parameters})
-    why = _outside(space, columns)
+    why = outside(space.parameters, columns)
     inside = np.array([not words for words in why])
     reference = {name: cases.numbers(name, unit, gaps=True) for name, unit in outputs.items()}
     answers: dict[str, dict[str, np.ndarray]] = {}
-    notes = _varied(cases, space, fixed or {})
+    notes = varied(cases, space, fixed or {}, "error of the surrogates")
     if inside.any():
         coded = space.encode({name: values[inside] for name, values in columns.items()})
         answers = {
@@ -109,10 +109,10 @@ def validate(
     return _dataset(cases, columns, outputs, reference, answers, inside, why, notes, space)
 
 
-def _outside(space: Space, columns: Mapping[str, np.ndarray]) -> list[str]:
+def outside(parameters: Iterable[Parameter], columns: Mapping[str, np.ndarray]) -> list[str]:
     """Why each case lies outside of the parameters' ranges, "" when it does not."""
     why: list[list[str]] = [[] for _ in next(iter(columns.values()))]
-    for parameter in space.parameters:
+    for parameter in parameters:
         for words, value in zip(why, columns[parameter.name], strict=True):
             if not _within(parameter, value):
                 words.append(_off(parameter, value))
@@ -183,8 +183,11 @@ def constants_for(
     }
 
 
-def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]:
-    """A sentence for each input that the study fixes and the cases have elsewhere."""
+def varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed], counts: str) -> list[str]:
+    """A sentence for each input that the study fixes and the cases have elsewhere.
+
+    counts: as what its effect counts.
+    """
     said = []
     for name, one in fixed.items():
         if name not in cases.columns:
@@ -197,7 +200,7 @@ def _varied(cases: Cases, space: Space, fixed: Mapping[str, Fixed]) -> list[str]
         if there:
             said.append(
                 f"the cases have {name} {there}; the study fixes it at {here}, so what it "
-                "changes counts as error of the surrogates"
+                f"changes counts as {counts}"
             )
     return said
 

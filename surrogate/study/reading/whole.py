@@ -11,6 +11,7 @@ from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Solver
 from surrogate.stages.screening import ScreeningRule
 from surrogate.study import file as studyfile
+from surrogate.study.reading.calibration import calibration_of
 from surrogate.study.reading.constants import constants_of
 from surrogate.study.reading.data import Data, columns_of, data_of, described, recorded_of
 from surrogate.study.reading.designs import designs_of, replicated
@@ -79,6 +80,9 @@ def fields_of(
         validation_of(notes, solver, space, fields["outputs"], fields["constants"], study_at)
         if solver
         else None
+    )
+    fields["calibration"] = (
+        calibration_of(notes, solver, space, fields["outputs"], constants) if solver else None
     )
     if notes.mistakes:
         raise StudyError(*sentences(source, notes.mistakes))
