@@ -23,8 +23,15 @@ _INDENT = re.compile(r"^ +", re.MULTILINE)
 def script(entry: Path) -> str:
     """The modules that `entry` imports, directly or not, and itself, as one strict function.
 
-    Comments of whole lines and indents are left out. Raises ValueError for a name that two
-    modules declare.
+    Raises ValueError for a name that two modules declare.
+    """
+    return f'"use strict";\n(() => {{\n{body(entry)}}})();\n'
+
+
+def body(entry: Path) -> str:
+    """The modules one behind the other, without comments of whole lines, indents and exports.
+
+    Raises ValueError for a name that two modules declare.
     """
     parts: list[str] = []
     owners: dict[str, str] = {}
@@ -34,7 +41,7 @@ def script(entry: Path) -> str:
             if owners.setdefault(name, path.name) != path.name:
                 raise ValueError(f"{owners[name]} and {path.name} both declare '{name}'")
         parts.append(bare(text))
-    return '"use strict";\n(() => {\n' + "".join(parts) + "})();\n"
+    return "".join(parts)
 
 
 def bare(text: str) -> str:

@@ -15,7 +15,7 @@ export function encoded(coding, value) {
     case "range": return 2 * (value - coding.low) / (coding.high - coding.low) - 1;
     case "levels": return 2 * coding.levels.indexOf(value) / (coding.levels.length - 1) - 1;
     case "normal": return erf((value - coding.mean) / (coding.std * Math.SQRT2));
-    case "lognormal": return erf((Math.log(value) - coding.mu) / (coding.sigma * Math.SQRT2));
+    case "lognormal": return value <= 0 ? -1 : erf((Math.log(value) - coding.mu) / (coding.sigma * Math.SQRT2));
     default: throw new Error(`coding ${coding.kind} is unknown`);
   }
 }

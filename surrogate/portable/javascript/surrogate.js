@@ -13,7 +13,7 @@ function combination(models, factors) {
 }
 
 // A model and what it has in common with others; mappings in both are joined likewise.
-function completed(common, own) {
+export function completed(common, own) {
   const model = { ...common, ...own };
   for (const [key, value] of Object.entries(own)) {
     if (isMapping(value) && isMapping(common[key])) model[key] = completed(common[key], value);
