@@ -61,6 +61,12 @@ def surrogates(ctx: typer.Context, incomplete: str) -> list[str]:
     return [name for name in _section(ctx, "surrogates") if name.startswith(incomplete)]
 
 
+def formats(incomplete: str) -> list[str]:
+    """Names of the formats of `surrogate export`."""
+    known = ("json", "python", "c", "javascript", "onnx", "fmu")
+    return [name for name in known if name.startswith(incomplete)]
+
+
 def goals(ctx: typer.Context, incomplete: str) -> list[str]:
     """Names of the goals that the study solves for."""
     return [name for name in _section(ctx, "solve") if name.startswith(incomplete)]

@@ -413,6 +413,41 @@ def compare(
 
 
 @app.command()
+def export(
+    study: StudyFile,
+    kind: Annotated[
+        str,
+        typer.Option(
+            "--format",
+            metavar="FORMAT",
+            help="json, python, c, javascript, onnx or fmu.",
+            autocompletion=completion.formats,
+        ),
+    ],
+    to: Annotated[Path, typer.Option(metavar="FILE", help="The file to write.")],
+    surrogate: Surrogate = None,
+    output: Annotated[
+        str | None,
+        typer.Option(metavar="OUT", help="Which output; default: the only one."),
+    ] = None,
+    name: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Name of the function; default: the output's."),
+    ] = None,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write a surrogate as a file for other programs: C, Python, JavaScript, ONNX, FMU, JSON."""
+    from surrogate.cli import exporting, results
+
+    loaded = _read(study)
+    folder = results.folder_of(loaded, results_dir)
+    page = exporting.export(loaded, folder, surrogate, output, kind, to, name)
+    _show(page, as_json, hidden=quiet)
+
+
+@app.command()
 def serve(
     study: StudyFile,
     results_dir: Results = None,

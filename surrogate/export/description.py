@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -106,8 +106,7 @@ class Description:
         lines = [
             f"{about}: surrogate '{self.surrogate}' of the study '{self.study}'.",
             *([self.about] if self.about else []),
-            f"Q2 {self.q2:.4g}, by runs that were left out. "
-            "Outside of the ranges it extrapolates.",
+            f"Q2 {self.q2:.4g}, by runs that were left out. Outside of the ranges it extrapolates.",
             f"Standard deviation: {self.deviation}.",
             "",
             "Inputs, in this order:",
@@ -152,10 +151,10 @@ def describe(
     )
 
 
-def chosen_output(asked: str | None, outputs: Mapping[str, Any]) -> str:
+def chosen_output(asked: str | None, outputs: Sequence[str]) -> str:
     """The output that is asked for, or the only one; raises `StudyError`."""
     if asked is None and len(outputs) == 1:
-        return next(iter(outputs))
+        return outputs[0]
     if asked is None:
         raise StudyError(f"a file holds one output; name it by --output. {nearest('', outputs)}")
     if asked not in outputs:
@@ -168,10 +167,9 @@ def _input(parameter: Parameter, coding: Mapping[str, Any], nominal: Any) -> Inp
         levels = parameter.levels
         numbered = ", ".join(f"{number} {level}" for number, level in enumerate(levels))
         start = float(levels.index(nominal)) if nominal in levels else 0.0
-        allowed, ends = f"the number of its level: {numbered}", (0.0, len(levels) - 1.0)
-        return Input(
-            parameter.name, "", parameter.description, coding, allowed, ends, start, True
-        )
+        allowed, last = f"the number of its level: {numbered}", len(levels) - 1.0
+        words = (parameter.name, "", parameter.description)
+        return Input(*words, coding, allowed, (0.0, last), start, True)
     law = parameter.law
     whole = isinstance(law, DiscreteLaw) and bool((law.values == np.rint(law.values)).all())
     ends = law.support if parameter.bounded else None
@@ -184,7 +182,9 @@ def _input(parameter: Parameter, coding: Mapping[str, Any], nominal: Any) -> Inp
 
 def _coordinates(output: Output, shape: tuple[int, ...]) -> tuple[Coordinate, ...]:
     """Coordinates along each dimension of a field; numbers from 0 where there are none."""
-    dims = output.dims if len(output.dims) == len(shape) else [f"dim_{k}" for k in range(len(shape))]
+    dims = (
+        output.dims if len(output.dims) == len(shape) else [f"dim_{k}" for k in range(len(shape))]
+    )
     return tuple(
         Coordinate(dim, _values(np.asarray(output.coordinates.get(dim, np.arange(size)))))
         for dim, size in zip(dims, shape, strict=True)

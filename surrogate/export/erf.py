@@ -49,11 +49,11 @@ NEAR, FAR = 0.46875, 4.0
 
 def erf(x: Tensor) -> Tensor:
     """erf(x), to 4e-16; beyond 6 it is 1 to rounding, and erfc(4 to 6) is below 2e-8."""
-    size = x("Abs")("Min", 6.0)
-    inner = size("Min", NEAR)
+    size = x.op("Abs").op("Min", 6.0)
+    inner = size.op("Min", NEAR)
     square = inner * inner
     near = inner * horner(A, square) / horner(B, square)
-    outer = size("Max", NEAR)
+    outer = size.op("Max", NEAR)
     beyond = -(outer * outer)
-    far = -(beyond("Exp") * horner(C, outer) / horner(D, outer)) + 1.0
-    return x("Sign") * size("Less", NEAR).where(near, far)
+    far = -(beyond.op("Exp") * horner(C, outer) / horner(D, outer)) + 1.0
+    return x.op("Sign") * size.op("Less", NEAR).where(near, far)

@@ -7,13 +7,14 @@ factor. Both languages add `erf`, rounding to the number of a level, and a logar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from surrogate.export.description import Description
 from surrogate.export.factors import Contrast, Coordinate, Factor, Product, Recurrence
 
-ROOT2 = 2.0**0.5
+ROOT2 = math.sqrt(2.0)
 
 
 def assignments(description: Description, erf: str, level: str, log: str) -> Iterator[str]:

@@ -97,7 +97,11 @@ def formula(document: Mapping[str, Any]) -> Formula:
     """The formula of a portable document."""
     model, error = document["model"], document["error"]
     field = model["kind"] == "field"
-    models = [completed(model.get("common", {}), own) for own in model["amplitudes"]] if field else [model]
+    models = (
+        [completed(model.get("common", {}), own) for own in model["amplitudes"]]
+        if field
+        else [model]
+    )
     if not models:  # a field that does not vary: one amplitude that is zero
         models = [{"kind": "polynomial", "columns": [], "terms": []}]
         models[0]["deviation"] = {"residual_sd": 0.0, "points": [[]], "terms": [[]]}
@@ -134,9 +138,7 @@ def _numbers(values: Any) -> Array:
     return np.array(values, dtype=float)
 
 
-def _terms(
-    factors: Factors, models: Sequence[Mapping[str, Any]]
-) -> tuple[tuple[Term, ...], Array]:
+def _terms(factors: Factors, models: Sequence[Mapping[str, Any]]) -> tuple[tuple[Term, ...], Array]:
     """All terms of the models (T,), each once, and their coefficients (T, K)."""
     sums: dict[Term, Array] = {(): np.zeros(len(models))}
     for k, model in enumerate(models):
@@ -148,10 +150,14 @@ def _terms(
 def _own_terms(factors: Factors, model: Mapping[str, Any]) -> list[tuple[Term, float]]:
     if model["kind"] == "chaos":
         bases = model["bases"]
-        return [(factors.degrees(bases, one["degrees"]), one["coefficient"]) for one in model["terms"]]
+        return [
+            (factors.degrees(bases, one["degrees"]), one["coefficient"]) for one in model["terms"]
+        ]
     columns = model["columns"]
     if model["kind"] == "polynomial":
-        return [(factors.powers(columns, one["powers"]), one["coefficient"]) for one in model["terms"]]
+        return [
+            (factors.powers(columns, one["powers"]), one["coefficient"]) for one in model["terms"]
+        ]
     trend = [
         (factors.powers(columns, one["powers"]), model["scale"] * one["coefficient"])
         for one in model["trend"]
@@ -172,7 +178,11 @@ def _process(
 ) -> Process:
     some = [models[k] for k in members]
     first = some[0]
-    columns, points, lengths = first["columns"], _numbers(first["points"]), _numbers(first["lengths"])
+    columns, points, lengths = (
+        first["columns"],
+        _numbers(first["points"]),
+        _numbers(first["lengths"]),
+    )
     powers = [one["powers"] for one in first["trend"]]
     matrix = correlation(points, points, lengths)
     np.fill_diagonal(matrix, 1.0 + first["nugget"])

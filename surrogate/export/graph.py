@@ -60,7 +60,7 @@ class Tensor:
         """Columns (m, k), in this order."""
         return self.graph.node("Gather", self, np.array(columns, dtype=np.int64), axis=1)
 
-    def __call__(self, operator: str, *others: Tensor | ArrayLike) -> Tensor:
+    def op(self, operator: str, *others: Tensor | ArrayLike) -> Tensor:
         """An operator of which this is the first input."""
         return self.graph.node(operator, self, *others)
 
@@ -129,7 +129,6 @@ class Graph:
         helper.set_model_props(model, dict(told))
         self.onnx.checker.check_model(model, full_check=True)
         return model
-
 
 
 def horner(coefficients: Sequence[float], x: Tensor) -> Tensor:

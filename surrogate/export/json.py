@@ -8,7 +8,7 @@ from surrogate.export.description import Description
 
 
 def written(description: Description) -> bytes:
-    """The document with the study, the output's unit and Q2; numbers that are not known are null."""
+    """The document with the study, the output's unit and Q2; numbers not known are null."""
     told = {
         "study": description.study,
         "unit": description.unit,

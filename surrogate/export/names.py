@@ -26,10 +26,13 @@ JAVASCRIPT_WORDS = frozenset(
     eval export extends false finally for function if implements import in instanceof interface
     let new null package private protected public return static super switch this throw true try
     typeof var void while with yield undefined NaN Infinity Math Array Object Float64Array Number
-    String Error TypeError RangeError Uint8Array Map WeakMap JSON ArrayBuffer atob INPUTS COORDINATES""".split()
+    String Error TypeError RangeError Uint8Array Map WeakMap JSON ArrayBuffer atob INPUTS
+    COORDINATES""".split()
 )
 #: Words of Python, and names that an exported file uses itself.
-PYTHON_WORDS = frozenset([*keyword.kwlist, "np", "math", "cache", "INPUTS", "LEVELS", "COORDINATES"])
+PYTHON_WORDS = frozenset(
+    [*keyword.kwlist, "np", "math", "cache", "INPUTS", "LEVELS", "COORDINATES"]
+)
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 

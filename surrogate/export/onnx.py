@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -70,21 +71,21 @@ def _coded(x: Tensor, coding: Mapping[str, Any]) -> Tensor:
     """Coded values of physical ones; a level is given by its number."""
     match coding["kind"]:
         case "range":
-            low, high = coding["low"], coding["high"]
+            low, high = float(coding["low"]), float(coding["high"])
             return (x - low) * 2.0 / (high - low) - 1.0
         case "levels":
             last = len(coding["levels"]) - 1.0
             return _level(x, last) * 2.0 / last - 1.0
         case "normal":
-            return erf((x - coding["mean"]) / (coding["std"] * 2.0**0.5))
+            return erf((x - float(coding["mean"])) / (float(coding["std"]) * math.sqrt(2.0)))
         case _:
-            log = x("Max", 0.0)("Log")
-            return erf((log - coding["mu"]) / (coding["sigma"] * 2.0**0.5))
+            log = x.op("Max", 0.0).op("Log")
+            return erf((log - float(coding["mu"])) / (float(coding["sigma"]) * math.sqrt(2.0)))
 
 
 def _level(x: Tensor, last: float) -> Tensor:
     """The number of the nearest of the levels 0 to last."""
-    return x("Round")("Max", 0.0)("Min", last)
+    return x.op("Round").op("Max", 0.0).op("Min", last)
 
 
 def _factor(factor: Factor, coded: Mapping[int, Tensor], found: Sequence[Tensor]) -> Tensor:
@@ -101,7 +102,7 @@ def _factor(factor: Factor, coded: Mapping[int, Tensor], found: Sequence[Tensor]
             total = level * 0.0
             for number, value in enumerate(values):
                 if value:
-                    total += level("Equal", float(number)).real() * value
+                    total += level.op("Equal", float(number)).real() * value
             return total
 
 
@@ -124,7 +125,7 @@ def _amplitudes(graph: Graph, one: Formula, factors: Tensor) -> Tensor:
 def _correlations(graph: Graph, process: Process, factors: Tensor) -> Tensor:
     """Products of Matern 5/2 functions (m, n) of points and runs."""
     distances = [
-        (factors.take([column]) * scale - centre[None])("Abs")
+        (factors.take([column]) * float(scale) - centre[None]).op("Abs")
         for column, scale, centre in zip(
             process.columns, process.scales, process.centres.T, strict=True
         )
@@ -133,7 +134,7 @@ def _correlations(graph: Graph, process: Process, factors: Tensor) -> Tensor:
     total = distances[0]
     for s in distances[1:]:
         total += s
-    return product * (-total)("Exp") / 3.0 ** len(distances)
+    return product * (-total).op("Exp") / float(3 ** len(distances))
 
 
 def _deviation(graph: Graph, one: Formula, factors: Tensor, mean: Tensor) -> Tensor:
@@ -150,7 +151,7 @@ def _deviation(graph: Graph, one: Formula, factors: Tensor, mean: Tensor) -> Ten
         variances = parts[0]
         for part in parts[1:]:
             variances += part
-    return (variances @ one.modes**2 + one.left_out**2)("Sqrt")
+    return (variances @ one.modes**2 + one.left_out**2).op("Sqrt")
 
 
 def _of_spread(graph: Graph, spread: Spread, factors: Tensor) -> Tensor:
@@ -177,4 +178,4 @@ def _unexplained(graph: Graph, process: Process, factors: Tensor) -> Tensor:
     v = r @ inverse
     v += (r - v @ process.lower.T) @ inverse
     trended = ((rest @ process.gain) * rest).sum()
-    return (trended - (v * v).sum() + (1.0 + process.nugget))("Max", process.nugget)
+    return (trended - (v * v).sum() + (1.0 + process.nugget)).op("Max", process.nugget)

@@ -11,6 +11,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 WIDTH = 100
+TEMPLATES = Path(__file__).parent / "templates"
 
 
 def template(file: str, **words: Any) -> str:
@@ -18,10 +19,15 @@ def template(file: str, **words: Any) -> str:
     return _environment().get_template(file).render(words)
 
 
+def source(file: str) -> str:
+    """A file of this chapter as it is."""
+    return (TEMPLATES / file).read_text(encoding="utf-8")
+
+
 @cache
 def _environment() -> Environment:
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        loader=FileSystemLoader(TEMPLATES),
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
@@ -41,7 +47,11 @@ def _array(brackets: str) -> Any:
         flat = _nested(np.asarray(values).tolist(), brackets, missing)
         return "\n".join(
             textwrap.wrap(
-                flat, WIDTH, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False
+                flat,
+                WIDTH,
+                subsequent_indent="    ",
+                break_long_words=False,
+                break_on_hyphens=False,
             )
         )
 
@@ -63,4 +73,3 @@ def _texts(values: tuple[str, ...]) -> str:
     """Strings of C, whatever letters they have."""
     escaped = [value.replace("\\", r"\\").replace('"', r"\"") for value in values]
     return "{" + ", ".join(f'"{value}"' for value in escaped) + "}"
-
