@@ -125,7 +125,7 @@ def _amplitudes(graph: Graph, one: Formula, factors: Tensor) -> Tensor:
 def _correlations(graph: Graph, process: Process, factors: Tensor) -> Tensor:
     """Products of Matern 5/2 functions (m, n) of points and runs."""
     distances = [
-        (factors.take([column]) * float(scale) - centre[None]).op("Abs")
+        (factors.take([column]) * float(scale) - np.asarray(centre)[None]).op("Abs")
         for column, scale, centre in zip(
             process.columns, process.scales, process.centres.T, strict=True
         )
