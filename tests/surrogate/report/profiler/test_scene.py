@@ -17,6 +17,7 @@ from surrogate import report
 from surrogate.fitting.geometry import geometry
 from surrogate.report.profiler.chosen import chosen
 from surrogate.report.profiler.payload import payload
+from surrogate.report.profiler.picture import picture
 from surrogate.report.profiler.scene_data import MOST_CHARACTERS
 from surrogate.scene import Line, Mark, Scene
 from surrogate.space.distributions import distribution, uniform
@@ -156,3 +157,24 @@ def test_still_pictures_say_what_they_show(piped):
     html = report.build(piped).html
     assert html.count('alt="The geometry, coloured by pressure_map of quadratic, seen from: ') == 2
     assert "views: front and back" in html
+
+
+def test_a_still_picture_hides_lines_behind_the_surface():
+    """Of a ring around a pipe, the half towards the viewer is drawn, and the colours are kept."""
+    scene = pipe(100.0)
+    surface, triangles = np.asarray(scene.points), np.asarray(scene.triangles)
+    tints = np.tile([200.0, 100.0, 50.0], (len(surface), 1))
+    turn = np.linspace(0, 2 * np.pi, 2000)
+    ring = np.column_stack([30 * np.cos(turn), 30 * np.sin(turn), np.full(2000, 50.0)])
+
+    def dark(lines):
+        pixels = picture(surface, triangles, tints, (0.0, 20.0), lines).astype(int)
+        return ((pixels[..., :3].sum(axis=2) < 100) & (pixels[..., 3] == 255)).sum(), pixels
+
+    (none, plain), (front, _) = dark(()), dark([ring])
+    assert none == 0 and front > 100
+    behind, before = ring[ring[:, 0] < -5], ring[ring[:, 0] > 5]
+    assert dark([behind])[0] == 0
+    assert 0.8 * front < dark([before])[0] <= front
+    drawn = plain[plain[..., 3] > 0]
+    assert np.abs(drawn[:, 0] - 2 * drawn[:, 1]).max() <= 2  # shades of one colour
