@@ -221,6 +221,8 @@ def outcome(study: Study, done: Outcome) -> Page:
         parts.append(_screening_line(figures["screening"]))
     if figures["learning"]:
         parts += _learning_lines(figures["learning"], figures["comparison"])
+    for name, goal in (figures["solve"] or {}).items():
+        parts.append(f"goal {name} ({goal['goal']}): {goal['sentence']}")
     if figures["failures"]:
         parts.append(figures["failures"]["sentence"])
     parts += [
