@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,11 +20,31 @@ from surrogate.space.space import Space
 
 #: Below this Q2 a surrogate's predictions are called poor.
 POOR_Q2 = 0.9
+#: A page draws and lists so many runs at most.
+MOST_RUNS = 1000
 
 
 if TYPE_CHECKING:
     from surrogate.fitting.failures import FailingRegion
     from surrogate.solving.solution import Solution
+
+
+def thinned(count: int, first: np.ndarray | None = None) -> np.ndarray:
+    """Which of so many runs a page draws and lists, shape (count,): all up to `MOST_RUNS`.
+
+    Of more it takes `MOST_RUNS`, evenly spaced. first: runs that come before others, such as
+    failed ones; they take half of the room at most.
+    """
+    if count <= MOST_RUNS:
+        return np.ones(count, dtype=bool)
+    shown = np.zeros(count, dtype=bool)
+    ahead = np.flatnonzero(first) if first is not None else np.empty(0, dtype=int)
+    room = min(len(ahead), MOST_RUNS // 2)
+    if room:
+        shown[ahead[np.linspace(0, len(ahead) - 1, room).astype(int)]] = True
+    others = np.flatnonzero(~shown)
+    shown[others[np.linspace(0, len(others) - 1, MOST_RUNS - room).astype(int)]] = True
+    return shown
 
 
 @dataclass(frozen=True)
@@ -94,6 +115,11 @@ class Content:
     def missing(self) -> np.ndarray:
         """Which runs have not been made yet, shape (run,)."""
         return np.asarray(self.words("status") == "missing")
+
+    @cached_property
+    def shown(self) -> np.ndarray:
+        """Which runs the page draws and lists, shape (run,)."""
+        return thinned(len(self.ok), self.failed)
 
     @property
     def seconds(self) -> np.ndarray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from surrogate.fitting.fit import Fit
-from surrogate.report.content import Content
+from surrogate.report.content import Content, thinned
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,12 @@ class Parity:
             self.honest,
             self.truth,
         )
+
+    @property
+    def drawn(self) -> Parity:
+        """The runs that a drawing has room for, see `thinned`."""
+        which = thinned(len(self.run))
+        return self if which.all() else self.only(which)
 
 
 def parity(content: Content, fit: Fit, output: str) -> Parity:
@@ -94,22 +100,23 @@ def predictions(fit: Fit, coded: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def rows_learnt(fit: Fit, coded: np.ndarray) -> np.ndarray:
     """Row of the fit's own points that equals each point (n,), -1 where none does."""
-    known = {_key(point): row for row, point in reversed(list(enumerate(fit.coded)))}
-    return np.array([known.get(_key(point), -1) for point in coded], dtype=int)
+    known = {key: row for row, key in reversed(list(enumerate(_keys(fit.coded))))}
+    return np.array([known.get(key, -1) for key in _keys(coded)], dtype=int)
 
 
 def learnt_only_from(content: Content, design: str) -> list[str]:
     """Surrogates that have seen no run outside this design."""
-    points = {_key(point) for point in content.coded[content.words("design") == design]}
+    points = set(_keys(content.coded[content.words("design") == design]))
     return [
         name
         for name, by_output in content.fits.items()
-        if all(_key(point) in points for fit in by_output.values() for point in fit.coded)
+        if all(points.issuperset(_keys(fit.coded)) for fit in by_output.values())
     ]
 
 
-def _key(point: np.ndarray) -> tuple[float, ...]:
-    return tuple(np.round(np.asarray(point, dtype=float), 9) + 0.0)
+def _keys(points: np.ndarray) -> list[bytes]:
+    """A key for each point (n, d), the same for points that agree to nine decimals."""
+    return [row.tobytes() for row in np.round(np.asarray(points, dtype=float), 9) + 0.0]
 
 
 def mean_over_points(values: np.ndarray) -> np.ndarray:

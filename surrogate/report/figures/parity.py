@@ -15,6 +15,7 @@ def parity_plot(
     data: Parity, output: str, unit: str, surrogate: str, *, height: float = 340.0
 ) -> Plot:
     """Predicted over observed, with the line of equality and 95 % intervals."""
+    shown = data.drawn
     reach = np.where(np.isfinite(data.half), data.half, 0.0)
     both = span(data.observed, data.predicted + reach, data.predicted - reach)
     panel = Panel.within(both, both, height=height)
@@ -23,10 +24,10 @@ def parity_plot(
     )
     bars = [
         line(panel.x(x), panel.y(y - half), panel.x(x), panel.y(y + half), "bar")
-        for x, y, half in zip(data.observed, data.predicted, data.half, strict=True)
+        for x, y, half in zip(shown.observed, shown.predicted, shown.half, strict=True)
         if np.isfinite(half)
     ]
-    marks = _marks(panel, data, data.observed, data.predicted, unit)
+    marks = _marks(panel, shown, shown.observed, shown.predicted, unit)
     return plot(
         360,
         height,
@@ -37,21 +38,22 @@ def parity_plot(
         title=f"{surrogate}: predicted against {data.truth} {output}",
         says=_differences(data, unit),
         numbers=(
-            *_which(data),
-            column(digits.labelled(data.truth, unit), data.observed),
-            column(digits.labelled("predicted", unit), data.predicted),
-            column(digits.labelled("half-width of the 95 % interval", unit), data.half),
+            *_which(shown),
+            column(digits.labelled(data.truth, unit), shown.observed),
+            column(digits.labelled("predicted", unit), shown.predicted),
+            column(digits.labelled("half-width of the 95 % interval", unit), shown.half),
         ),
     )
 
 
 def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Plot:
     """Observed minus predicted, over predicted."""
+    shown = data.drawn
     panel = Panel.within(
         span(data.predicted), span(data.residual, include=[0.0], pad=0.08), height=340.0
     )
     zero = line(panel.x.start, panel.y(0.0), panel.x.end, panel.y(0.0), "reference")
-    marks = _marks(panel, data, data.predicted, data.residual, unit)
+    marks = _marks(panel, shown, shown.predicted, shown.residual, unit)
     return plot(
         360,
         340,
@@ -64,9 +66,9 @@ def residual_plot(data: Parity, output: str, unit: str, surrogate: str) -> Plot:
         title=f"{surrogate}: residuals of {output}",
         says=_differences(data, unit),
         numbers=(
-            *_which(data),
-            column(digits.labelled("predicted", unit), data.predicted),
-            column(digits.labelled(f"{data.truth} minus predicted", unit), data.residual),
+            *_which(shown),
+            column(digits.labelled("predicted", unit), shown.predicted),
+            column(digits.labelled(f"{data.truth} minus predicted", unit), shown.residual),
         ),
     )
 
@@ -95,20 +97,20 @@ def _which(data: Parity) -> tuple[Column, ...]:
 
 
 def _marks(panel: Panel, data: Parity, x: np.ndarray, y: np.ndarray, unit: str) -> list[Markup]:
+    decimals = digits.decimals_of(data.observed, 4)
     return [
         mark(
             "hollow" if data.learnt[k] else "filled",
             panel.x(x[k]),
             panel.y(y[k]),
             data_run=data.run[k],
-            data_tip=_tip(data, k, unit),
+            data_tip=_tip(data, k, unit, decimals),
         )
         for k in range(len(data.run))
     ]
 
 
-def _tip(data: Parity, k: int, unit: str) -> str:
-    decimals = digits.decimals_of(data.observed, 4)
+def _tip(data: Parity, k: int, unit: str, decimals: int) -> str:
     predicted = (
         digits.with_half(data.predicted[k], data.half[k])
         if np.isfinite(data.half[k])

@@ -238,6 +238,8 @@ def _reading(data: Parity) -> str:
             else "as fitted, so closer than new points will be"
         )
         said.append(f"Open: {digits.quantity(int(data.learnt.sum()), 'training run')}, {how}.")
+    if data.drawn is not data:
+        said.append(f"{len(data.drawn.run)} of these runs are drawn.")
     return " ".join(said)
 
 

@@ -75,20 +75,23 @@ def _use(content: Content, mine: np.ndarray) -> str:
 
 
 def _points(content: Content) -> Figure:
+    shown = content.shown
     plot = points_plot(
         content.space,
-        content.coded,
-        content.numbers,
-        content.words("design"),
+        content.coded[shown],
+        content.numbers[shown],
+        content.words("design")[shown],
         content.designs,
-        content.ok,
+        content.ok[shown],
     )
     shapes = [f"{SHAPES[mark_of(content.designs, name)]}: {name}" for name in content.designs]
     failed = "; cross: failed run" if content.failed.any() else ""
     return Figure(
         plot,
         "Design points, from the smallest to the largest value of each parameter "
-        f"({'; '.join(shapes)}{failed}).",
+        f"({'; '.join(shapes)}{failed})."
+        + f" {shown.sum()} of {len(shown)} runs are drawn."
+        * bool(not shown.all()),
         wide=True,
     )
 

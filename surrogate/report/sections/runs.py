@@ -32,7 +32,10 @@ def section(content: Content) -> Section:
         blocks.append(_failures(content))
     count = len(content.ok)
     table = _table(content)
-    blocks.append(Fold(f"All {digits.quantity(count, 'run')}", (table,), open=count <= LONG))
+    title = f"All {digits.quantity(count, 'run')}"
+    if not content.shown.all():
+        title = f"{content.shown.sum()} of {digits.quantity(count, 'run')}; runs.nc has all"
+    blocks.append(Fold(title, (table,), open=count <= LONG))
     return Section("runs", "Runs", tuple(blocks))
 
 
@@ -75,19 +78,20 @@ def _scatter(content: Content, output: str) -> str:
 
 
 def _failures(content: Content) -> Table:
-    rows = []
-    physical = _physical(content)
-    for k in np.flatnonzero(content.failed):
+    rows, which = [], np.flatnonzero(content.failed & content.shown)
+    physical = _physical(content, which)
+    design, status, message = map(content.words, ("design", "status", "message"))
+    for place, k in enumerate(which):
         values = "; ".join(
-            f"{name} {digits.with_unit(physical[name][k], content.unit(name))}"
+            f"{name} {digits.with_unit(physical[name][place], content.unit(name))}"
             for name in content.space.names
         )
         rows.append(
             (
                 Cell(str(content.numbers[k]), float(k)),
-                Cell(content.words("design")[k]),
-                _status(content.words("status")[k]),
-                Cell(content.words("message")[k] or "no message"),
+                Cell(design[k]),
+                _status(status[k]),
+                Cell(message[k] or "no message"),
                 Cell(values),
             )
         )
@@ -100,22 +104,27 @@ def _failures(content: Content) -> Table:
 
 
 def _table(content: Content) -> Table:
-    numbers, physical = content.numbers, _physical(content)
+    rows = np.flatnonzero(content.shown)
+    physical = _physical(content, rows)
+
+    def words(variable: str) -> np.ndarray:
+        return content.words(variable)[rows]
+
     columns: list[tuple[Head, list[Cell]]] = [
-        (Head("run"), [Cell(str(n), float(k)) for k, n in enumerate(numbers)]),
-        (Head("design", numeric=False), [Cell(word) for word in content.words("design")]),
-        (Head("status", numeric=False), [_status(word) for word in content.words("status")]),
+        (Head("run"), [Cell(str(content.numbers[k]), float(k)) for k in rows]),
+        (Head("design", numeric=False), [Cell(word) for word in words("design")]),
+        (Head("status", numeric=False), [_status(word) for word in words("status")]),
     ]
     for name in content.space.names:
         head = digits.labelled(name, content.unit(name))
         columns.append(
             (
                 Head(head, numeric=not content.space[name].categorical),
-                _column(content.runs[name].values, physical[name]),
+                _column(content.runs[name].values[rows], physical[name]),
             )
         )
     for output in content.outputs:
-        values = content.values(output)
+        values = content.values(output)[rows]
         mean = values.reshape(len(values), -1).mean(axis=1)
         what = f"mean {output}" if content.is_field(output) else output
         columns.append(
@@ -124,27 +133,24 @@ def _table(content: Content) -> Table:
                 _column(mean, digits.column(mean, 4)),
             )
         )
-    if (content.words("origin") != "").any():
-        cells = [Cell(word) for word in content.words("origin")]
+    if (words("origin") != "").any():
+        cells = [Cell(word) for word in words("origin")]
         columns.append((Head("origin", numeric=False), cells))
-    spent = content.seconds
+    spent = content.seconds[rows]
     if np.isfinite(spent).any() or not content.recorded:
         columns.append((Head("time (s)"), _column(spent, [digits.figure(s) for s in spent])))
-    if (content.words("message") != "").any():
+    if (words("message") != "").any():
         columns.append(
             (
                 Head("message", numeric=False),
-                [
-                    Cell(shorten(word, LONGEST, placeholder=" …"))
-                    for word in content.words("message")
-                ],
+                [Cell(shorten(word, LONGEST, placeholder=" …")) for word in words("message")],
             )
         )
-    rows = tuple(zip(*(cells for _, cells in columns), strict=True))
+    listed = tuple(zip(*(cells for _, cells in columns), strict=True))
     return Table(
         "Every run with its inputs and outputs. Click a column head to sort.",
         tuple(head for head, _ in columns),
-        rows,
+        listed,
         sortable=True,
         wide=len(columns) > 9,
     )
@@ -164,11 +170,11 @@ def _column(values: np.ndarray, words: Sequence[str]) -> list[Cell]:
     ]
 
 
-def _physical(content: Content) -> dict[str, list[str]]:
-    """Parameter values of all runs as printed."""
+def _physical(content: Content, rows: np.ndarray) -> dict[str, list[str]]:
+    """Parameter values of some runs as printed."""
     printed = {}
     for parameter in content.space.parameters:
-        values = content.runs[parameter.name].values
+        values = content.runs[parameter.name].values[rows]
         printed[parameter.name] = (
             [str(v) for v in values] if parameter.categorical else digits.column(values, 4)
         )
@@ -177,15 +183,18 @@ def _physical(content: Content) -> dict[str, list[str]]:
 
 def for_pointing(content: Content) -> dict[str, str]:
     """Run number -> the lines shown when its mark is pointed at."""
-    physical = _physical(content)
+    rows = np.flatnonzero(content.shown)
+    physical = _physical(content, rows)
     lines = {}
-    for k, number in enumerate(content.numbers):
+    design, status = content.words("design"), content.words("status")
+    for place, k in enumerate(rows):
+        number = content.numbers[k]
         inputs = [
-            f"{name} {digits.with_unit(physical[name][k], content.unit(name))}"
+            f"{name} {digits.with_unit(physical[name][place], content.unit(name))}"
             for name in content.space.names
         ]
-        title = f"run {number} ({content.words('design')[k]})"
-        if not content.ok[k]:
-            title += f" {content.words('status')[k].replace('_', ' ')}"
+        title = f"run {number} ({design[k]})"
+        if status[k] != "ok":
+            title += f" {status[k].replace('_', ' ')}"
         lines[str(number)] = "\n".join([title, *inputs])
     return lines
