@@ -25,6 +25,7 @@ MOST_RUNS = 1000
 
 
 if TYPE_CHECKING:
+    from surrogate.calibration.posterior import Posterior
     from surrogate.fitting.failures import FailingRegion
     from surrogate.solving.solution import Solution
 
@@ -61,6 +62,7 @@ class Content:
     screening       which parameters to keep
     learning        dataset over (surrogate, output, size)
     solve           goal -> inputs that reach it
+    calibration     what measurements say about inputs
     validation      dataset over (model, output, case)
     aliasing        design -> aliasing of a two-level fraction
     failures        the region where runs fail
@@ -82,6 +84,7 @@ class Content:
     screening: Screening | None = None
     learning: xr.Dataset | None = None
     solve: Mapping[str, Solution] = field(default_factory=dict)
+    calibration: Posterior | None = None
     validation: xr.Dataset | None = None
     aliasing: Mapping[str, Aliasing] = field(default_factory=dict)
     failures: FailingRegion | None = None

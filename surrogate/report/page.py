@@ -17,6 +17,7 @@ from surrogate.report.content import Content
 from surrogate.report.embedding import script_json
 from surrogate.report.sections import (
     accuracy,
+    calibration,
     designs,
     effects,
     explore,
@@ -115,6 +116,8 @@ def _sections(content: Content) -> Iterator[Section]:
         yield learning.section(content, content.learning)
     if content.solve:
         yield solve.section(content)
+    if content.calibration is not None:
+        yield calibration.section(content.calibration)
     yield parameters.section(content)
     yield designs.section(content)
     yield runs.section(content)

@@ -209,6 +209,7 @@ STAGES = (
             "screening",
             "learning",
             "solve",
+            "calibration",
             "reduced_study",
             "validation",
             "scene",

@@ -108,6 +108,8 @@ def test_run_and_calibrate_learn_the_input_that_made_the_measurements(tmp_path):
     folder = tmp_path / "results" / "fall"
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["calibration"]["unknowns"]["Kw"] == kw
+    page = (folder / "report.html").read_text()
+    assert "What measurements say about inputs" in page and "Posterior of Kw" in page
     with xr.open_datatree(folder / "posterior.nc", engine="h5netcdf") as tree:
         assert tree["posterior"]["Kw"].dims == ("chain", "draw")
         assert float(tree["posterior"]["Kw"].mean()) == pytest.approx(kw["mean"])
