@@ -64,7 +64,8 @@ class Forecast:
 
 def forecast(curve: Curve, variance: float, unit: str, goal: Goal | None) -> Forecast:
     """The forecast of a curve; variance: of the values that it is judged on."""
-    if np.nanmax(curve.rmse, initial=0.0) <= ROUNDING * math.sqrt(variance):
+    known = curve.rmse[np.isfinite(curve.rmse)]
+    if len(known) and known.max() <= ROUNDING * math.sqrt(variance):
         return _none(f"{curve.surrogate} is exact to rounding from {curve.runs[0]} runs on")
     try:
         law = power_law(curve.runs, curve.rmse, curve.whole, terms=curve.terms)

@@ -101,6 +101,16 @@ def learn(
     return Curve(*named, runs, scores, errors, widths, judged, len(fit.coded), terms)
 
 
+def has_curve(fit: Fit, tested: bool) -> bool:
+    """True when the runs are enough for the curve of a fit on given terms."""
+    try:
+        return (
+            len(_sizes(len(_points(fit.coded)), minimum_runs(fit.estimator, fit.space), tested)) > 2
+        )
+    except FitError:
+        return False
+
+
 def has_given_terms(estimator: Regressor) -> TypeGuard[Polynomial]:
     """True for least squares on terms that the runs do not choose."""
     return isinstance(estimator, Polynomial)

@@ -17,7 +17,7 @@ from surrogate.fitting import comparison as comparing
 from surrogate.fitting import fit as fitting
 from surrogate.fitting.fit import Fit
 from surrogate.fitting.forecast import AHEAD, WIDTH, Forecast, Goal, forecast
-from surrogate.fitting.learning import SUBSETS, Curve, Runs, has_given_terms, learn
+from surrogate.fitting.learning import SUBSETS, Curve, Runs, has_curve, has_given_terms, learn
 from surrogate.runs import dataset as rundata
 from surrogate.space.space import Space
 from surrogate.stages.comparison import TEST
@@ -77,10 +77,12 @@ def jobs(
     found = []
     for name, by_output in fits.items():
         for output, fit in by_output.items():
-            if fit.values.ndim > 1 or not _chosen(learning_rule.surrogate, fit, best[output]):
+            test, word = _test(runs, output), learning_rule.surrogate
+            if fit.values.ndim > 1 or not _chosen(word, fit, best[output], test is not None):
                 continue
             goal = learning_rule.until.get(output)
-            asked = goal is not None and goal.kind == WIDTH and name == best[output]
+            wanted = word != BEST or name == best[output]
+            asked = goal is not None and goal.kind == WIDTH and wanted
             found.append(
                 Job(
                     f"{name} of {output}",
@@ -88,7 +90,7 @@ def jobs(
                     {
                         "fit": fit,
                         "estimator": surrogates[name].estimator,
-                        "test": _test(runs, output),
+                        "test": test,
                         "subsets": learning_rule.subsets,
                         "unit": str(runs[output].attrs.get("units", "")),
                         "goal": goal,
@@ -99,9 +101,11 @@ def jobs(
     return found
 
 
-def _chosen(word: str, fit: Fit, best: str) -> bool:
+def _chosen(word: str, fit: Fit, best: str, tested: bool) -> bool:
+    """Whether a curve is asked for; polynomials beside the best one only where they have one."""
     if word == BEST:
-        return fit.surrogate == best or has_given_terms(fit.estimator)
+        beside = has_given_terms(fit.estimator) and has_curve(fit, tested)
+        return fit.surrogate == best or beside
     return word in (ALL, fit.surrogate)
 
 

@@ -100,6 +100,13 @@ def test_a_goal_that_is_reached_says_where():
     assert np.isnan(crossing(RUNS, 3.0 / RUNS, 3.0 / 81))
 
 
+def test_an_exact_surrogate_and_one_that_cannot_be_fitted():
+    exact = forecast(curve_of(np.full((5, 7), 1e-15)), 1.0, "mm", Goal("rmse", 0.1))
+    assert exact.sentences == ("gp is exact to rounding from 10 runs on",)
+    lost = forecast(curve_of(np.full((5, 7), np.nan)), 1.0, "mm", Goal("rmse", 0.1))
+    assert lost.sentences == ("no forecast: fewer than three sizes could be fitted",)
+
+
 def product(coded):
     return np.exp(coded[:, 0]) * (1.0 + coded[:, 1] ** 2) + coded[:, 2]
 

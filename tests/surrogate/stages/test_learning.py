@@ -74,6 +74,16 @@ def test_a_width_of_the_indices_is_a_goal(tmp_path):
     assert "index width 0.0001 of quadratic" in str(table["sentence"].item())
 
 
+def test_a_polynomial_beside_the_best_one_may_lack_a_curve(tmp_path):
+    """11 runs are too few for subsets of a quadratic surrogate of 10 terms; that is no failure."""
+    text = STUDY.replace("runs: 30", "runs: 11")
+    asked = Study.from_text(f"{text}learning: {{subsets: 5}}\n")
+    runs = asked.run(results=tmp_path / "demo", workers=1)
+    done = results.analyse(asked, tmp_path / "demo", runs, workers=1)
+    assert done.summary["learning"]["surrogate"]["values"] == ["linear", "gp"]
+    assert not done.trouble
+
+
 def test_a_study_without_the_word_has_no_curve(tmp_path):
     asked = Study.from_text(STUDY)
     runs = asked.run(results=tmp_path / "demo", workers=1)
