@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import WIDTH, Panel, line, mark, path, span
+from surrogate.report.drawing import WIDTH, Panel, Scale, group, line, mark, path, span, text
 from surrogate.report.plot import Plot, column, plot
 
 HEIGHT = 300.0
+#: Tick words of an axis at most.
+MOST_TICKS = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,31 +32,39 @@ def learning_plot(
 ) -> Plot:
     """RMSE of subsets with their band; dashed the law beyond, with its interval.
 
-    ahead: empty where there is no forecast. goal: of the RMSE, NaN for none.
+    Both axes are logarithmic: a power law is a straight line. ahead: empty where there is no
+    forecast. goal: of the RMSE, NaN for none.
     """
-    finite = [goal] if np.isfinite(goal) else []
-    top = [one.value for one in (seen, ahead)] + [seen.high[-3:], ahead.high]
+    level = [goal] if np.isfinite(goal) and goal > 0.0 else []
+    ends = [getattr(one, end) for one in (seen, ahead) for end in _ENDS]
     panel = Panel.within(
-        span(seen.runs, ahead.runs, pad=0.03), span(*top, include=[0.0, *finite]), height=HEIGHT
+        span(_log(seen.runs), _log(ahead.runs), pad=0.03),
+        span(*map(_log, ends), include=[float(_log(np.array(goal)))] if level else []),
+        height=HEIGHT,
     )
-    ceiling = panel.y.high
-    marks: list[object] = []
-    for one in (seen, ahead):
-        if len(one.runs):
-            upper = zip(panel.x(one.runs), panel.y(np.minimum(one.high, ceiling)), strict=True)
-            lower = zip(panel.x(one.runs), panel.y(np.minimum(one.low, ceiling)), strict=True)
-            marks.append(path([*upper, *[*lower][::-1]], "band", closed=True))
-    marks.append(panel.frame("training runs (–)", digits.labelled("RMSE", unit)))
-    if np.isfinite(goal):
-        left, right = panel.x.start, panel.x.end
-        marks.append(line(left, panel.y(goal), right, panel.y(goal), "threshold"))
-    marks.append(path(zip(panel.x(seen.runs), panel.y(seen.value), strict=True), "curve"))
+
+    def placed(runs: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:
+        return list(zip(panel.x(_log(runs)), panel.y(_log(values)), strict=True))
+
+    marks: list[object] = [
+        path([*placed(one.runs, one.high), *placed(one.runs, one.low)[::-1]], "band", closed=True)
+        for one in (seen, ahead)
+        if len(one.runs)
+    ]
+    marks.append(_frame(panel, digits.labelled("RMSE", unit)))
+    for value in level:
+        y = panel.y(math.log10(value))
+        marks.append(line(panel.x.start, y, panel.x.end, y, "threshold"))
+    marks.append(path(placed(seen.runs, seen.value), "curve"))
     if len(ahead.runs):
-        line_ahead = zip(panel.x(ahead.runs), panel.y(ahead.value), strict=True)
-        marks.append(path(line_ahead, "curve dashed"))
+        marks.append(path(placed(ahead.runs, ahead.value), "curve dashed"))
     marks += [
-        mark("filled", panel.x(n), panel.y(y), data_tip=_tip(n, y, low, high, unit))
-        for n, y, low, high in zip(seen.runs, seen.value, seen.low, seen.high, strict=True)
+        mark("filled", x, y, data_tip=_tip(*numbers, unit))
+        for (x, y), numbers in zip(
+            placed(seen.runs, seen.value),
+            zip(seen.runs, seen.value, seen.low, seen.high, strict=True),
+            strict=True,
+        )
     ]
     both = [np.concatenate([getattr(seen, k), getattr(ahead, k)]) for k in ("runs", *_ENDS)]
     return plot(
@@ -69,6 +81,43 @@ def learning_plot(
             column("upper end (95 %)", both[3]),
         ),
     )
+
+
+def _log(values: np.ndarray) -> np.ndarray:
+    """Logarithm to base ten; NaN of what is not above zero."""
+    return np.log10(np.where(np.asarray(values) > 0.0, values, np.nan))
+
+
+def _frame(panel: Panel, label: str) -> Markup:
+    """Grid, tick words and labels of logarithmic axes."""
+    left, right, floor, top = panel.x.start, panel.x.end, panel.y.start, panel.y.end
+    marks = []
+    for value in _ticks(panel.x):
+        x = panel.x(math.log10(value))
+        marks.append(line(x, floor, x, top, "grid"))
+        marks.append(text(x, floor + 14, digits.number(value), "tick", "middle"))
+    for value in _ticks(panel.y):
+        y = panel.y(math.log10(value))
+        marks.append(line(left, y, right, y, "grid"))
+        marks.append(text(left - 5, y + 4, digits.number(value), "tick", "end"))
+    middle = (left + right) / 2
+    marks.append(text(middle, floor + 31, "training runs (–)", "label", "middle"))
+    return group(*marks, panel.baseline(), text(2, top - 11, label, "label"), class_="frame")
+
+
+def _ticks(scale: Scale) -> list[float]:
+    """Round values on a scale of logarithms: as many of 1, 2, 5 times powers of ten as fit."""
+    powers = range(math.floor(scale.low), math.ceil(scale.high) + 1)
+    for digits_of_power in ((1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 2, 5), (1, 3), (1,)):
+        found = [
+            digit * 10.0**power
+            for power in powers
+            for digit in digits_of_power
+            if scale.low <= math.log10(digit * 10.0**power) <= scale.high
+        ]
+        if len(found) <= MOST_TICKS:
+            return found
+    return found[:: math.ceil(len(found) / MOST_TICKS)]
 
 
 _ENDS = ("value", "low", "high")

@@ -42,18 +42,32 @@ def _output(content: Content, table: xr.Dataset, output: str) -> list[Block]:
     best = content.best(output)
     first = best if best in names else names[0]
     said = str(own["sentence"].sel(surrogate=first).item()).splitlines()
-    found: list[Block] = [Text(f"{_capital(digits.squared(words))}.", "lead") for words in said]
-    found.append(Figures((_figure(content, own, first, output),)))
+    found: list[Block] = [
+        Text(f"{_printed(words, content.unit(output))}.", "lead") for words in said
+    ]
+    found += _figures(content, own, [first], output)
     found.append(_table(content, own, names, output))
     others = [name for name in names if name != first]
     if others:
-        drawn = tuple(_figure(content, own, name, output) for name in others)
-        found.append(Fold(f"Curves of {digits.listing(others)}", (Figures(drawn),)))
+        drawn = tuple(_figures(content, own, others, output))
+        found += [Fold(f"Curves of {digits.listing(others)}", drawn)] if drawn else []
     return found
 
 
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]
+def _printed(words: str, unit: str) -> str:
+    """A sentence of the dataset as the page prints it."""
+    words = digits.squared(words)
+    return words[:1].upper() + (words[1:].replace(unit, digits.unit(unit)) if unit else words[1:])
+
+
+def _figures(content: Content, own: xr.Dataset, names: list[str], output: str) -> list[Block]:
+    """The curves of these surrogates; none of one whose errors are zero."""
+    drawn = [
+        _figure(content, own, n, output)
+        for n in names
+        if (own["rmse_low"].sel(surrogate=n) > 0.0).any()
+    ]
+    return [Figures(tuple(drawn))] if drawn else []
 
 
 def _figure(content: Content, own: xr.Dataset, surrogate: str, output: str) -> Figure:
@@ -63,17 +77,18 @@ def _figure(content: Content, own: xr.Dataset, surrogate: str, output: str) -> F
     goal = float(one["rmse_goal"])
     plot = learning_plot(seen, ahead, goal, surrogate, output, content.unit(output))
     judged = str(own.attrs["judged"])
+    level = " Level line: the goal." if np.isfinite(goal) else ""
     return Figure(
         plot,
         f"{surrogate}: RMSE on {judged}, against the number of training runs. Line and band: "
         "median, 5 and 95 % of random subsets. Dashed: the law through the medians with its "
-        f"90 % interval.{' Level line: the goal.' if np.isfinite(goal) else ''}",
+        f"90 % interval. Both axes are logarithmic.{level}",
     )
 
 
 def _band(one: xr.Dataset, runs: np.ndarray, name: str) -> Band:
     value, low, high = (one[name + end].values for end in ("", "_low", "_high"))
-    known = np.isfinite(runs) & np.isfinite(value)
+    known = np.isfinite(runs) & (value > 0.0) & (low > 0.0)  # on logarithmic axes
     return Band(runs[known], value[known], low[known], high[known])
 
 
@@ -103,7 +118,7 @@ def _table(content: Content, own: xr.Dataset, names: list[str], output: str) -> 
         Head(f"runs for {digits.squared(goal)}" if goal else "runs for the goal"),
     )
     caption = (
-        "RMSE and Q² of the largest subset, and the forecast, each with its 90 % interval. The "
+        "RMSE and Q² of the largest subset, and the forecast with its 90 % interval. The "
         "forecast takes for granted that more runs are of the same kind."
     )
     return Table(caption, heads, tuple(rows))

@@ -59,7 +59,7 @@ def test_summary_terminal_and_report_tell_the_same(outcome):
     page = (folder / "report.html").read_text()
     for sentence in said.splitlines():
         assert f"flow: {sentence}" in lines
-        assert sentence[1:].replace("Q2", "Q²") in page
+        assert sentence[1:].replace("Q2", "Q²").replace("m^3", "m³") in page
     assert "How many runs are enough" in page and "Learning curve of gp for flow" in page
 
 
@@ -125,3 +125,33 @@ def test_a_width_needs_indices():
     text = STUDY.replace("sensitivity: sobol\n", "")
     with pytest.raises(StudyError, match="index_width is that of total indices"):
         Study.from_text(f"{text}learning: {{until: {{index_width: 0.1}}}}\n")
+
+
+EXACT = """\
+from surrogate.solver import Input, Output
+
+
+class Exact:
+    version = "1"
+    inputs = {"x": Input(nominal=0.0, range=(-1.0, 1.0))}
+    outputs = {"y": Output(), "nothing": Output()}
+
+    def __call__(self, x):
+        return {"y": x, "nothing": 0.0 * x}
+"""
+
+
+def test_errors_of_zero_are_no_failure(tmp_path):
+    (tmp_path / "exact_line.py").write_text(EXACT)
+    (tmp_path / "demo.yaml").write_text(
+        "study: demo\nsolver: exact_line:Exact\nparameters: {x: [-1, 1]}\n"
+        "designs: {train: {method: sobol, runs: 16}}\nsurrogates: {linear: linear}\n"
+        "learning: {until: {rmse: 0.1}, subsets: 5}\n"
+    )
+    asked = Study.from_yaml(tmp_path / "demo.yaml")
+    runs = asked.run(results=tmp_path / "demo", workers=1)
+    done = results.analyse(asked, tmp_path / "demo", runs, workers=1)
+    said = [words for row in done.summary["learning"]["sentence"]["values"] for words in row]
+    assert all("linear is exact to rounding" in words for words in said)
+    page = (tmp_path / "demo" / "report.html").read_text()
+    assert "nan" not in page.split('id="learning"')[1].split("</section>")[0]
