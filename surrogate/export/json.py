@@ -16,4 +16,4 @@ def written(description: Description) -> bytes:
         "coordinates": {one.name: list(one.values) for one in description.coordinates},
         "constants": dict(description.constants),
     }
-    return to_json({**description.document, **told}, indent=1, inf_nan_mode="null") + b"\n"
+    return to_json({**description.document, **told}, inf_nan_mode="null") + b"\n"

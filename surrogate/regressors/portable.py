@@ -1,6 +1,7 @@
 """Surrogates as plain JSON, to be evaluated without this package.
 
 A description is a dict of `inputs`, in order, a `model` on coded inputs x and its `error`.
+`surrogate export` adds `study`, `unit`, `q2`, `constants` and the `coordinates` of a field.
 
 inputs: each has `name`, `unit` and a `coding` of the physical value v::
 

@@ -39,6 +39,7 @@ VERBS = {
     "solve": (["solve", "wide.yaml", "--target", "flow=70"], True),
     "validate": (["validate", "wide.yaml"], True),
     "store": (["store", "wide.yaml"], False),
+    "export": (["export", "wide.yaml", "--format", "c", "--to", f"{LONG}.c"], False),
     "dossier": (["dossier", "wide.yaml"], False),
     "open": (["open", "wide.yaml"], False),
     "work": (["work", "wide.yaml"], False),
