@@ -105,7 +105,7 @@ class Description:
         about = f"{self.output}{f' in {self.unit}' if self.unit else ''}"
         lines = [
             f"{about}: surrogate '{self.surrogate}' of the study '{self.study}'.",
-            *([self.about] if self.about else []),
+            *([self.about] if self.about not in ("", self.output) else []),
             f"Q2 {self.q2:.4g}, by runs that were left out. Outside of the ranges it extrapolates.",
             f"Standard deviation: {self.deviation}.",
             "",

@@ -13,6 +13,9 @@ import node
 import pytest
 from in_process import command
 
+from surrogate.cli import completion
+from surrogate.export.formats import FORMATS
+
 ROOT = Path(__file__).parents[3]
 
 SOLVER = """
@@ -193,3 +196,9 @@ def test_the_pages_module_runs(beam):
     (beam / "example.py").write_text(page("python"))
     first, _ = run(beam, sys.executable, "example.py").splitlines()
     assert of_js == pytest.approx([float(word) for word in first.split()], rel=1e-9)
+
+
+def test_the_shell_knows_every_format():
+    """Completion has their names without loading what writes them."""
+    assert completion.formats("") == list(FORMATS)
+    assert completion.formats("j") == ["json", "javascript"]
