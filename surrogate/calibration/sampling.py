@@ -28,6 +28,8 @@ LogDensity = Callable[[Array], Array]
 
 #: Effective draws of each unknown, and largest R-hat.
 EFFECTIVE, R_HAT = 400, 1.05
+#: Quantiles whose effective sample size is that of the tails.
+TAILS = (0.05, 0.95)
 #: Steps of the first walk, and of the longest one.
 FIRST, LONGEST = 512, 32_768
 #: Walkers: at least so many, and so many for each unknown.
@@ -144,7 +146,7 @@ def diagnosed(z: Array) -> tuple[Array, Array, Array]:
     return (
         np.array([float(az.rhat(one)) for one in columns]),
         np.array([float(az.ess(one, method="bulk")) for one in columns]),
-        np.array([float(az.ess(one, method="tail")) for one in columns]),
+        np.array([float(az.ess(one, method="tail", prob=TAILS)) for one in columns]),
     )
 
 
