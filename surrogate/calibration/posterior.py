@@ -50,8 +50,8 @@ class Posterior:
             at = self.figures.sel(unknown=name)
             unit = f" {self.problem.space[name].unit}".rstrip()
             told.append(
-                f"{name} = {float(at['mean']):.4g}{unit} "
-                f"[{float(at['low']):.4g}, {float(at['high']):.4g}]"
+                f"{name} = {float(at['mean']):.5g}{unit} "
+                f"[{float(at['low']):.5g}, {float(at['high']):.5g}]"
             )
         return (
             f"Posterior mean and 95 % interval from {len(self.problem.labels)} cases: "

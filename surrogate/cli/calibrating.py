@@ -56,7 +56,7 @@ def _table(unknowns: Mapping[str, Mapping[str, Any]]) -> Table:
     rows = [
         (
             f"{name} ({row['units'] or '-'})",
-            *(f"{row[key]:.4g}" for key in ("mean", "sd", "low", "high", "prior_sd")),
+            *(f"{row[key]:.5g}" for key in ("mean", "sd", "low", "high", "prior_sd")),
             f"{row['shrinkage']:.2f}",
             f"{min(row['ess_bulk'], row['ess_tail']):.0f}",
         )

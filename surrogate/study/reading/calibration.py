@@ -72,8 +72,8 @@ def calibration_of(
                 f"{found.labels[k]}: {why[k]}" for k in np.flatnonzero(~inside)[:5].tolist()
             )
             notes.append(
-                f"{int((~inside).sum())} cases lie outside of the study's ranges and are set "
-                f"aside ({aside})"
+                f"set aside, outside of the study's ranges: {int((~inside).sum())} of "
+                f"{len(inside)} cases ({aside})"
             )
         return Problem(
             space,

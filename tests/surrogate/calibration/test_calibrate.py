@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -97,3 +98,30 @@ def test_dominating_prior_is_kept():
 def test_same_seed_same_draws():
     again = calibrate(problem(VALUES, 0.6, seed=1), {"y": line()})
     assert np.array_equal(again.draws("t"), linear().draws("t"))
+
+
+def test_posterior_that_piles_up_at_an_end_is_told():
+    """Measurements that ask for t = 1.4 with a prior that ends at 1.2."""
+    found = calibrate(problem(VALUES, 0.1, prior=uniform(-5.0, 1.2)), {"y": line()})
+    assert any("lies at the upper end of its range" in one for one in found.notes)
+
+
+def test_walk_that_is_cut_short_is_told():
+    found = calibrate(problem(VALUES, 0.6), {"y": line()}, longest=64)
+    assert found.figures.attrs["converged"] == 0
+    assert "before it had converged" in found.notes[0]
+
+
+def test_constant_discrepancy_is_a_bias_that_all_cases_share():
+    """Two points only: given its sd s the bias adds s^2 to all covariances."""
+    two = replace(
+        problem(VALUES, 0.6, discrepancy=True),
+        measured=(Measured("y", "", np.where(X < 4, VALUES, np.nan), np.full(5, 0.6)),),
+    )
+    likelihood = likelihood_of(two, {"y": line()})
+    assert likelihood.coordinates.names == ("t", "y_discrepancy")
+    z = np.array([[0.0, 0.7]])
+    law, s = next(likelihood.laws(z)), likelihood.coordinates.values(z)["y_discrepancy"][0]
+    assert law.bias[0] == pytest.approx(np.full((2, 2), s**2))
+    exact = stats.multivariate_normal(law.mean[0], law.covariance[0])
+    assert law.log_density[0] == pytest.approx(exact.logpdf(VALUES[:2]), rel=1e-9)

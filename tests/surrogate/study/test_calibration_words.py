@@ -43,7 +43,10 @@ def test_the_words_become_a_problem(tmp_path):
     assert problem.measured[0].values.tolist() == [84.9, 78.6, 67.9]
     assert problem.measured[0].errors.tolist() == [0.4, 0.5, 0.4]
     assert problem.coded[:, 0] == pytest.approx([-5 / 7, -5 / 14, 5 / 14])
-    assert "1 cases lie outside" in problem.notes[0] and "1900" in problem.notes[0]
+    assert (
+        "outside of the study's ranges: 1 of 4 cases" in problem.notes[0]
+        and "1900" in problem.notes[0]
+    )
 
 
 @pytest.mark.parametrize("free", ["  free: [Kw]\n", "  free: {Kw: {}}\n", "  free: Kw\n"])
