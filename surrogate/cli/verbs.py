@@ -375,7 +375,7 @@ def calibrate(
     folder = results.folder_of(loaded, results_dir)
     with StagesBar(loaded.name, hidden=quiet) as steps:
         page = calibrating.calibrate(loaded, folder, steps)
-    _show(page, as_json, hidden=quiet)
+    _show(page, as_json)
 
 
 @app.command()

@@ -27,6 +27,7 @@ surrogates:
 sensitivity: {{method: sobol, groups: {{{LONG}: [rw, L], Kw: [Kw]}}}}
 screening: {{freeze_below: 0.02}}
 validation: {{cases: cases.csv}}
+calibration: {{cases: measured.csv, free: [Kw], error: 5, surrogate: {LONG}, draws: 100}}
 """
 AT = ["rw=0.1", "L=1400", "Kw=10000"]
 #: Verb with its words, and whether its result is text, which --quiet leaves.
@@ -40,6 +41,8 @@ VERBS = {
     "validate": (["validate", "wide.yaml"], True),
     "store": (["store", "wide.yaml"], False),
     "export": (["export", "wide.yaml", "--format", "c", "--to", f"{LONG}.c"], False),
+    "calibrate": (["calibrate", "wide.yaml"], True),
+    "compare": (["compare", "results/wide", "results/wide"], False),
     "dossier": (["dossier", "wide.yaml"], False),
     "open": (["open", "wide.yaml"], False),
     "work": (["work", "wide.yaml"], False),
@@ -56,6 +59,7 @@ def place(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wide")
     (folder / "wide.yaml").write_text(STUDY)
     (folder / "cases.csv").write_text("rw,L,Kw,flow\n0.1,1400,10000,70\n0.12,1300,11000,110\n")
+    (folder / "measured.csv").write_text("rw,L,flow\n0.1,1400,70\n0.12,1300,110\n")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         patch.setattr(sys, "argv", ["surrogate", "run", "wide.yaml", "--quiet"])
