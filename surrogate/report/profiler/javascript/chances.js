@@ -61,7 +61,8 @@ function card({ name, shown_unit: unit }, changed) {
   const [from, to] = [limit("lower"), limit("upper")];
   const [bars, inside, mark] = ["h-bars", "h-inside", "h-mark"].map((c) => svg("path", { class: c }));
   const axis = el("div", { class: "c-across", "aria-hidden": "true" });
-  const drawing = svg("svg", { viewBox: "0 0 100 100", preserveAspectRatio: "none", role: "img" },
+  const drawing = svg("svg", { viewBox: "0 0 100 100", preserveAspectRatio: "none", role: "img",
+    "aria-label": "Histogram, not drawn yet" },
     bars, inside, mark);
   const facts = el("dl", {});
   const root = el("div", { class: "card", "data-output": name },

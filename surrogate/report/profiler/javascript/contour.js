@@ -37,7 +37,8 @@ export function contour(data, state, ask, fail) {
   const [lines, cut, far, runs, cross] = ["c-lines", "c-cut", "p-far", "c-runs", "c-cross"].map((name) =>
     svg("path", { class: name }));
   const labels = el("div", { class: "c-labels", "aria-hidden": "true" });
-  const drawing = svg("svg", { viewBox: "0 0 100 100", preserveAspectRatio: "none", role: "img" },
+  const drawing = svg("svg", { viewBox: "0 0 100 100", preserveAspectRatio: "none", role: "img",
+    "aria-label": "Contour, not drawn yet" },
     far, lines, cut, runs, cross);
   const upAxis = el("div", { class: "c-up p-ticks", "aria-hidden": "true" });
   const acrossAxis = el("div", { class: "c-across", "aria-hidden": "true" });
