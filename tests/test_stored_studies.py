@@ -1,5 +1,6 @@
 """The studies that ship with their runs: all are there, and what the solver gives today."""
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -8,6 +9,7 @@ import pytest
 
 from surrogate import Study
 from surrogate.runs.dataset import call_and_answer
+from surrogate.study.solving import solve
 from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
 from surrogate_solvers.leg_bandage.prediction import Reduced, choose_bandage, predict_pressure
@@ -88,3 +90,16 @@ def test_a_persons_interval_holds_what_finite_elements_give():
             errors.append(told.value / outputs["pressure_b1"] - 1)
     assert len(inside) == 58 and sum(inside) >= 50
     assert np.sqrt(np.mean(np.square(errors))) < 0.05
+
+
+@pytest.mark.slow
+def test_the_stored_runs_put_the_promise_of_bandage_target_to_the_test(tmp_path):
+    """Stretch and overlap for 40 mmHg on the mean leg: found anew, verified by runs that ship."""
+    study = Study.from_yaml(ROOT / "studies/bandage_target.yaml")
+    study.run(results=tmp_path, workers=1)
+    goal = study.problems["known_leg"]
+    best = solve(study, tmp_path, goal, check=True, workers=1).solution.candidates[0]
+    assert best.verified.runs == 20
+    assert best.verified.share[1] <= best.probability <= best.verified.share[2]
+    stored = json.loads(Study.from_yaml(study.source.name).stored(tmp_path).attrs["stored"])
+    assert stored == {"runs/bandage_target.nc": 168}
