@@ -33,18 +33,6 @@ def test_the_answer_is_on_the_first_screen(finished, open_page):
     assert page.locator(".outputs").count() <= 1
 
 
-def test_first_paint_within_a_second(finished, open_page):
-    """The best of three, for others may have the machine."""
-    times = []
-    for _ in range(3):
-        page = open_page(finished).page
-        page.wait_for_function("performance.getEntriesByType('paint').length > 0")
-        times.append(page.evaluate("performance.getEntriesByType('paint').at(-1).startTime"))
-        if times[-1] < 1000.0:
-            break
-    assert 0.0 < min(times) < 1000.0
-
-
 def test_light_and_dark(report_of, open_page):
     """As the system has it until the switch is used; paper is light."""
     page = open_page(report_of("table"), color_scheme="dark").page

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from made_up import make
 from shown import Beam
+from waiting import until
 
 from surrogate import report
 from surrogate.fitting.geometry import geometry
@@ -39,11 +40,12 @@ def beam(tmp_path_factory):
 
 def drawn(page):
     """The picture once it has settled: pixels drawn, a sum of their colours, its width."""
-    page.wait_for_function(
+    until(
+        page,
         f"""() => {{
           const canvas = document.querySelector("{CANVAS}");
           return canvas.dataset.fine === "true";
-        }}"""
+        }}""",
     )
     return page.evaluate(PIXELS)
 
@@ -92,7 +94,7 @@ def test_a_pointer_reads_field_and_place(report_of, open_page):
     canvas.scroll_into_view_if_needed()
     box = canvas.bounding_box()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 0.6 * box["height"])
-    page.wait_for_function("document.querySelector('.s-reading').textContent.includes('mmHg')")
+    until(page, "document.querySelector('.s-reading').textContent.includes('mmHg')")
     reading = page.locator(".s-reading").text_content()
     assert "theta" in reading and "height" in reading
     assert "coloured by pressure_field" in canvas.get_attribute("aria-label")
