@@ -50,8 +50,17 @@ def _remove_abandoned() -> None:
     for path in Path(tempfile.gettempdir()).glob(f"{PREFIX}*/{LOCK}"):
         with suppress(ResultsError, OSError):
             if _is_ours(path.parent):
-                Lock(path).release()
-                shutil.rmtree(path.parent, ignore_errors=True)
+                _remove(path)
+
+
+def _remove(path: Path) -> None:
+    """Remove the folder of this lock, which is held meanwhile: a start may just have made it."""
+    lock = Lock(path)
+    try:
+        shutil.rmtree(path.parent, ignore_errors=True)
+    finally:
+        lock.release()
+    shutil.rmtree(path.parent, ignore_errors=True)  # Windows keeps a file that is open
 
 
 def _is_ours(folder: Path) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import os
 import sys
+import threading
 from contextlib import suppress
 from pathlib import Path
 
@@ -31,6 +32,10 @@ _NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOTSUP}
 _FAR = 2**30
 
 
+#: Threads take locks one after the other: the system's locks are those of the whole process.
+_TAKING = threading.Lock()
+
+
 class Lock:
     """The lock on the folder of `path`, held until `release` or the end of this process.
 
@@ -39,13 +44,14 @@ class Lock:
 
     def __init__(self, path: Path):
         self.path, self._name = path, os.path.realpath(path)
-        if self._name in _HELD:
-            raise ResultsError(
-                f"{path.parent} is in use by this process already; wait until its other "
-                "study is done"
-            )
-        self._file, self._claimed = _taken(path)
-        _HELD.add(self._name)
+        with _TAKING:
+            if self._name in _HELD:
+                raise ResultsError(
+                    f"{path.parent} is in use by this process already; wait until its other "
+                    "study is done"
+                )
+            self._file, self._claimed = _taken(path)
+            _HELD.add(self._name)
 
     def check(self) -> None:
         """See that the lock file is still there, and take it again where it was deleted.
