@@ -166,6 +166,21 @@ def quantity(text: str, target: str) -> float:
     return conversion(unit or target, target).place(value)
 
 
+def distance(text: str, target: str, what: str, cure: str) -> float:
+    """A positive difference in `target` units of a text such as '2 mmHg' or '2'.
+
+    what, cure: for the sentence of the `StudyError` about a text that is none.
+    """
+    text = text.strip()
+    found = NUMBER_AND_UNIT.fullmatch(text)
+    if found is None:
+        raise StudyError(f"{what} '{text}' is not a number; {cure}")
+    value = conversion(found[2] or target, target).distance(float(found[1]))
+    if not value > 0.0:
+        raise StudyError(f"{what} {text} must be above 0")
+    return value
+
+
 @lru_cache(maxsize=256)
 def dimension(unit: str) -> Dimension:
     """Dimension of a unit, such as [length] / [time]; of "" it has none."""

@@ -19,6 +19,7 @@ from surrogate.space.distributions import distribution
 from surrogate.space.space import Parameter, Space
 from surrogate.study.calibration_part import CalibrationPart, PriorPart
 from surrogate.study.reading.mistakes import Reading
+from surrogate.study.reading.named import check_surrogate, is_scalar
 from surrogate.study.reading.validation import cases_at
 from surrogate.validation.cases import Cases, lacking
 from surrogate.validation.validation import fixed_inputs, outputs_in, outside, varied
@@ -43,7 +44,7 @@ def calibration_of(
     before = len(reading.mistakes)
     with reading.mistakes_at(PATH):
         check_installed()
-    _check_surrogate(reading, part)
+    check_surrogate(reading, part.surrogate, "calibration reads a surrogate", PATH)
     offered = {name: solver.outputs[name] for name in kept if name in solver.outputs}
     wanted = _outputs(reading, part, offered)
     priors = _priors(reading, part, space)
@@ -95,33 +96,15 @@ def _no_study(path: Path) -> Any:
     raise StudyError(f"cases '{path.name}': a calibration needs measurements in a table")
 
 
-def _check_surrogate(reading: Reading, part: CalibrationPart) -> None:
-    names = ["best", *reading.part.surrogates]
-    if not reading.part.surrogates and not reading.is_broken("surrogates"):
-        reading.wrong(
-            "calibration reads a surrogate, but the study has none; add surrogates:", PATH
-        )
-    elif part.surrogate not in names and not reading.is_broken("surrogates", part.surrogate):
-        reading.wrong(
-            f"surrogate '{part.surrogate}' is unknown; {nearest(part.surrogate, names)}",
-            PATH,
-            "surrogate",
-        )
-
-
 def _outputs(
     reading: Reading, part: CalibrationPart, offered: Mapping[str, Output]
 ) -> tuple[str, ...]:
-    kept = []
-    for index, name in enumerate(part.output):
-        path = (PATH, "output", index)
-        if name not in offered:
-            reading.wrong(f"the study has no output '{name}'; {nearest(name, offered)}", *path)
-        elif offered[name].dims:
-            reading.wrong(f"output '{name}' is a field; calibration needs single numbers", *path)
-        else:
-            kept.append(name)
-    return tuple(kept)
+    needed = "calibration needs single numbers"
+    return tuple(
+        name
+        for index, name in enumerate(part.output)
+        if is_scalar(reading, name, offered, needed, PATH, "output", index)
+    )
 
 
 # priors ---------------------------------------------------------------------------------------
@@ -290,18 +273,10 @@ def _errors(
             )
         elif given is not None and given != ESTIMATE:
             with reading.mistakes_at(*path):
-                found[name] = _distance(str(given).strip(), outputs[name])
+                unit = outputs[name]
+                cure = f"write 2, '2 {unit}' or {ESTIMATE}"
+                found[name] = units.distance(str(given), unit, "error", cure)
     return found
-
-
-def _distance(text: str, unit: str) -> float:
-    match = units.NUMBER_AND_UNIT.fullmatch(text)
-    if match is None:
-        raise StudyError(f"error '{text}' is no number; write 2, '2 {unit}' or {ESTIMATE}")
-    value = units.conversion(match[2] or unit, unit).distance(float(match[1]))
-    if not value > 0:
-        raise StudyError(f"error {text} must be above 0")
-    return value
 
 
 def _coded(space: Space, known: Mapping[str, NDArray[Any]], cases: int) -> NDArray[np.float64]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from surrogate.errors import StudyError, nearest
+from surrogate.errors import StudyError
 from surrogate.fitting.forecast import Q2, RMSE, WIDTH, Goal
 from surrogate.solver import Output, Solver
 from surrogate.space import units
@@ -12,6 +12,7 @@ from surrogate.stages.learning import ALL, BEST, LearningRule
 from surrogate.stages.sensitivity import SensitivityMethod
 from surrogate.study.learning_part import LearningPart, UntilPart
 from surrogate.study.reading.mistakes import Reading
+from surrogate.study.reading.named import check_surrogate, is_scalar
 
 
 def learning_of(
@@ -25,16 +26,8 @@ def learning_of(
     if part is None or solver is None:
         return None
     offered = {name: solver.outputs[name] for name in outputs if name in solver.outputs}
-    names = [BEST, ALL, *reading.part.surrogates]
-    if not reading.part.surrogates and not reading.is_broken("surrogates"):
-        reading.wrong(
-            "a learning curve is that of a surrogate, but the study has none; add surrogates:",
-            "learning",
-            on_key=True,
-        )
-    elif part.surrogate not in names and not reading.is_broken("surrogates", part.surrogate):
-        sentence = f"surrogate '{part.surrogate}' is unknown; {nearest(part.surrogate, names)}"
-        reading.wrong(sentence, "learning", "surrogate")
+    needed = "a learning curve is that of a surrogate"
+    check_surrogate(reading, part.surrogate, needed, "learning", words=(BEST, ALL), on_key=True)
     scalars = _scalars(reading, part, offered)
     goals = _goals(reading, part.until, scalars, method) if part.until else {}
     return LearningRule(goals, part.surrogate, part.subsets)
@@ -45,12 +38,8 @@ def _scalars(
 ) -> dict[str, Output]:
     """The outputs that the goal is for."""
     for index, name in enumerate(part.outputs):
-        if name not in offered:
-            sentence = f"the study has no output '{name}'; {nearest(name, offered)}"
-            reading.wrong(sentence, "learning", "outputs", index)
-        elif offered[name].dims:
-            sentence = f"output '{name}' is a field; a learning curve needs a single number"
-            reading.wrong(sentence, "learning", "outputs", index)
+        needed = "a learning curve needs a single number"
+        is_scalar(reading, name, offered, needed, "learning", "outputs", index)
     return {
         name: one
         for name, one in offered.items()

@@ -22,6 +22,7 @@ from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
 from surrogate.study.parts import SensitivityPart, SurrogatePart
 from surrogate.study.reading.mistakes import Reading
+from surrogate.study.reading.named import check_surrogate
 from surrogate.study.reading.rows import DATA
 
 #: Parameters of plug-ins that the framework fills in; they are not options.
@@ -130,19 +131,8 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
                 "screening needs sensitivity: {method: sobol}, or shapley", "screening", on_key=True
             )
         return None
-    names = ["best", *reading.part.surrogates]
-    if not reading.part.surrogates and not any(p[0] == "surrogates" for p in reading.broken):
-        reading.wrong(
-            "sensitivity reads a surrogate, but the study has none; add surrogates:",
-            "sensitivity",
-            on_key=True,
-        )
-    elif part.surrogate not in names and not reading.is_broken("surrogates", part.surrogate):
-        reading.wrong(
-            f"surrogate '{part.surrogate}' is unknown; {nearest(part.surrogate, names)}",
-            "sensitivity",
-            "surrogate",
-        )
+    needed = "sensitivity reads a surrogate"
+    check_surrogate(reading, part.surrogate, needed, "sensitivity", on_key=True)
     with reading.mistakes_at("sensitivity", "method"):
         method = _method(part, space)
         function = plugins.load(plugins.SENSITIVITY, method, reading.folder)

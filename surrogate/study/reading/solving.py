@@ -14,6 +14,7 @@ from surrogate.space.constraints import Relation, parse
 from surrogate.space.space import Parameter, Space
 from surrogate.stages.screening import nominal_values
 from surrogate.study.reading.mistakes import Reading
+from surrogate.study.reading.named import check_surrogate, is_scalar
 from surrogate.study.solve_part import DesirePart, SolvePart, TargetPart
 
 Values = Mapping[str, float | str]
@@ -70,7 +71,8 @@ class _Problem:
     def read(self) -> Problem:
         """The problem; mistakes are noted, and what is wrong is left out."""
         held = self._held()
-        self._check_surrogate()
+        needed = "solve reads a surrogate"
+        check_surrogate(self.reading, self.part.surrogate, needed, *self.path)
         limits = self._limits()
         goals = self._goals()
         if not (goals or limits) and not self.reading.mistakes:
@@ -110,15 +112,8 @@ class _Problem:
         return tuple(found)
 
     def _is_scalar(self, output: str, *path: str | int) -> bool:
-        if output not in self.offered:
-            self._wrong(
-                f"the study has no output '{output}'; {nearest(output, self.offered)}", *path
-            )
-        elif self.offered[output].dims:
-            self._wrong(f"output '{output}' is a field; a goal needs a single number", *path)
-        else:
-            return True
-        return False
+        needed = "a goal needs a single number"
+        return is_scalar(self.reading, output, self.offered, needed, *self.path, *path)
 
     def _number(self, given: float | str, output: str) -> float:
         return units.quantity(str(given), self.offered[output].unit)
@@ -133,13 +128,7 @@ class _Problem:
         if part.within is None:
             return Target(output, value)
         unit = self.offered[output].unit
-        text = str(part.within).strip()
-        found = units.NUMBER_AND_UNIT.fullmatch(text)
-        if found is None:
-            raise StudyError(f"within '{text}' is not a number; write 2 or '2 {unit}'")
-        half = units.conversion(found[2] or unit, unit).distance(float(found[1]))
-        if not half > 0:
-            raise StudyError(f"within {text} must be above 0")
+        half = units.distance(str(part.within), unit, "within", f"write 2 or '2 {unit}'")
         return Target(output, value, value - half, value + half)
 
     def _desire(self, output: str, part: DesirePart) -> Desire:
@@ -238,19 +227,6 @@ class _Problem:
                     "choose or fix it",
                     "uncertain",
                 )
-
-    def _check_surrogate(self) -> None:
-        names = ["best", *self.reading.part.surrogates]
-        if not self.reading.part.surrogates and not self.reading.is_broken("surrogates"):
-            self._wrong("solve reads a surrogate, but the study has none; add surrogates:")
-        elif self.part.surrogate not in names and not self.reading.is_broken(
-            "surrogates", self.part.surrogate
-        ):
-            self._wrong(
-                f"surrogate '{self.part.surrogate}' is unknown; "
-                f"{nearest(self.part.surrogate, names)}",
-                "surrogate",
-            )
 
 
 def _value_of(parameter: Parameter, given: float | str) -> float | str:

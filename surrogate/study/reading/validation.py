@@ -12,6 +12,7 @@ from surrogate.solver import Output, Solver
 from surrogate.space.space import Space
 from surrogate.study.parts import ValidationPart
 from surrogate.study.reading.mistakes import Reading
+from surrogate.study.reading.named import is_scalar
 from surrogate.study.reading.solver import solver_of
 from surrogate.tables.sheet import READERS
 from surrogate.validation.cases import Cases, header, lacking, read_runs, read_table
@@ -124,16 +125,12 @@ def check_cases(
 def _outputs(
     reading: Reading, wanted: ValidationPart, offered: Mapping[str, Output]
 ) -> tuple[str, ...]:
-    kept = []
-    for index, name in enumerate(wanted.output):
-        path = ("validation", "output", index)
-        if name not in offered:
-            reading.wrong(f"the study has no output '{name}'; {nearest(name, offered)}", *path)
-        elif offered[name].dims:
-            reading.wrong(f"output '{name}' is a field; validation compares single numbers", *path)
-        else:
-            kept.append(name)
-    return tuple(kept)
+    needed = "validation compares single numbers"
+    return tuple(
+        name
+        for index, name in enumerate(wanted.output)
+        if is_scalar(reading, name, offered, needed, "validation", "output", index)
+    )
 
 
 def _models(reading: Reading, wanted: ValidationPart) -> dict[str, SolverSpec]:

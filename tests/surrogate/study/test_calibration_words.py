@@ -65,7 +65,7 @@ def test_a_name_alone_keeps_the_law_of_the_study(tmp_path, free):
         ("  free: [Kw]\n", "L\n1200\n", "no column for any scalar output of the study: flow"),
         ("  free: [Kw]\n  error: 2 kg\n", TABLE, "kg"),
         ("  free: [Kw]\n  error: -1\n", TABLE, "error -1"),
-        ("  free: [Kw]\n  error: small\n", TABLE, "error 'small' is no number"),
+        ("  free: [Kw]\n  error: small\n", TABLE, "error 'small' is not a number"),
         ("  free: [Kw]\n  surrogate: gp\n", TABLE, "surrogate 'gp' is unknown"),
         ("  free: [Kw]\n", "L,flow,flow_error\n1200,80,0\n", "flow_error: 0 must be above 0"),
         ("  free: [Kw]\n", "L,flow\n9000,80\n", "no case of 'measured.csv' lies inside"),

@@ -104,6 +104,25 @@ def test_a_mistake_is_told_at_its_place(name):
     ), error.value.mistakes
 
 
+@pytest.mark.parametrize("section", ["solve", "learning", "sensitivity", "calibration"])
+def test_a_broken_surrogate_is_not_called_missing(section, tmp_path):
+    """What reads a surrogate does not add that the study has none."""
+    words = {
+        "solve": "{one: {minimise: flow}}",
+        "learning": "{}",
+        "sensitivity": "sobol",
+        "calibration": "{cases: t.csv, free: [rw]}",
+    }
+    (tmp_path / "s.yaml").write_text(
+        SOUND.replace("{method: linear}", "{methd: linear}").replace("solve:\n", "")
+        + f"{section}: {words[section]}\n"
+    )
+    (tmp_path / "t.csv").write_text("L,Kw,flow\n1200,10000,80\n")
+    with pytest.raises(StudyError, match="key 'methd' is unknown") as error:
+        Study.from_yaml(tmp_path / "s.yaml")
+    assert "has none" not in str(error.value)
+
+
 def test_uncertain_inputs_may_not_be_joined_by_constraints():
     more = 'constraints: ["L*rw >= 100 m^2"]\n'
     with pytest.raises(StudyError, match="joins the uncertain L with others"):
