@@ -9,7 +9,7 @@ import pytest
 
 from surrogate import Study
 from surrogate.runs.dataset import call_and_answer
-from surrogate.study.solving import solve
+from surrogate.study.solving import check, solve
 from surrogate_solvers.leg_bandage.geometry.basis import shipped_basis
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
 from surrogate_solvers.leg_bandage.prediction import Reduced, choose_bandage, predict_pressure
@@ -98,7 +98,8 @@ def test_the_stored_runs_put_the_promise_of_bandage_target_to_the_test(tmp_path)
     study = Study.from_yaml(ROOT / "studies/bandage_target.yaml")
     study.run(results=tmp_path, workers=1)
     goal = study.problems["known_leg"]
-    best = solve(study, tmp_path, goal, check=True, workers=1).solution.candidates[0]
+    answer = check(study, tmp_path, solve(study, tmp_path, goal), workers=1)
+    best = answer.solution.candidates[0]
     assert best.verified.runs == 20
     assert best.verified.share[1] <= best.probability <= best.verified.share[2]
     stored = json.loads(Study.from_yaml(study.source.name).stored(tmp_path).attrs["stored"])

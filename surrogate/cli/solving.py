@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from surrogate.cli.page import Page
-from surrogate.cli.progress import RunsBar
+from surrogate.cli.progress import RunsBar, StagesBar
 from surrogate.cli.table import Table
 from surrogate.solving.solution import Candidate, Solution, chance
 from surrogate.stages.solve import figures_of
@@ -24,19 +23,21 @@ def solve(
     name: str | None,
     goals: solving.Goals,
     *,
-    check: bool,
+    verify: bool,
     runs: int | None,
     workers: int | None,
     quiet: bool,
 ) -> Page:
-    """The candidates for the study's goal of that name, or for what the command states."""
+    """The candidates for the study's goal of that name, or for what the command states.
+
+    verify: run the solver at them.
+    """
     problem = solving.stated(study, name, goals)
-    if check:
+    with StagesBar(study.name, hidden=quiet) as steps:
+        answer = solving.solve(study, results, problem, steps=steps)
+    if verify:
         with RunsBar(study.name, hidden=quiet) as bar:
-            how: dict[str, Any] = {"runs": runs, "workers": workers, "progress": bar}
-            answer = solving.solve(study, results, problem, check=True, **how)
-    else:
-        answer = solving.solve(study, results, problem)
+            answer = solving.check(study, results, answer, runs=runs, workers=workers, progress=bar)
     found = answer.solution
     units = {name: one.unit for name, one in study.offered.items()}
     units |= {p.name: p.unit for p in study.space.parameters}

@@ -334,7 +334,7 @@ def solve(
         surrogate,
     )
     folder = results.folder_of(loaded, results_dir)
-    how = {"check": verify, "quiet": quiet}
+    how = {"verify": verify, "quiet": quiet}
     page = solving.solve(loaded, folder, goal, words, runs=runs, workers=workers, **how)
     _show(page, as_json)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from surrogate.solving.problem import Problem
 from surrogate.solving.solution import Solution
 from surrogate.stages import candidates as searching
 from surrogate.stages.solve import verified
+from surrogate.stages.stage import Step
 from surrogate.study import file as studyfile
 from surrogate.study.analysis import walk
 from surrogate.study.prediction import told, usable
@@ -135,28 +136,38 @@ def solve(
     results: Path,
     problem: Problem,
     *,
-    check: bool = False,
-    runs: int | None = None,
-    workers: int | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    steps: Callable[[Step], None] = lambda step: None,
 ) -> Answer:
-    """Candidates from the runs there are; with `check`, the solver is run at them.
+    """Candidates from the runs there are. Runs no solver.
 
-    runs: at the best candidate when inputs are uncertain. Raises `StudyError` when the goal
-    cannot be searched for and `ResultsError` when no runs are stored.
+    steps: told of each step of the analysis. Raises `StudyError` when the goal cannot be searched
+    for and `ResultsError` when no runs are stored.
     """
     stored, unfound = usable(study, results, None)
-    stages = walk(study, results, stored)
-    fits, comparison = stages.value("fits"), stages.value("comparison")
-    own = study.problems.get(problem.name)
-    if own == problem:
+    stages = walk(study, results, stored, progress=steps)
+    if study.problems.get(problem.name) == problem:
         found = stages.value("candidates").get(problem.name)
         if found is None:
             raise StudyError(*stages.result("candidates").not_done)
     else:
-        chosen = searching.fits_for(problem, fits, comparison)
-        found = searching.candidates(problem, study.space, study.spec.recorded, chosen)
-    if check:
-        again = verify(study, results, found, runs=runs, workers=workers, progress=progress)
-        stored = again.stored(results)
+        fits = searching.fits_for(problem, stages.value("fits"), stages.value("comparison"))
+        steps(Step("candidates", f"solve {problem.name}"))
+        found = searching.candidates(problem, study.space, study.spec.recorded, fits)
     return Answer(verified(found, stored), "\n".join(told(stored, unfound)))
+
+
+def check(
+    study: Study,
+    results: Path,
+    answer: Answer,
+    *,
+    runs: int | None = None,
+    workers: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Answer:
+    """The answer with what the solver says at its candidates, where it is run now.
+
+    runs: at the best candidate when inputs are uncertain.
+    """
+    again = verify(study, results, answer.solution, runs=runs, workers=workers, progress=progress)
+    return replace(answer, solution=verified(answer.solution, again.stored(results)))

@@ -36,14 +36,16 @@ def finished(tmp_path_factory):
 
 
 def solved(finished, name, **how):
+    """The solution of a goal, verified by the solver."""
     study, folder = finished
-    return solving.solve(study, folder, stated(study, name, Goals()), workers=1, **how).solution
+    answer = solving.solve(study, folder, stated(study, name, Goals()))
+    return solving.check(study, folder, answer, workers=1, **how).solution
 
 
 def test_verified_candidates_carry_what_the_solver_says(finished):
     study, folder = finished
     before = study.stored(folder).sizes["run"]
-    found = solved(finished, "eighty", check=True)
+    found = solved(finished, "eighty")
     solver = study.spec.solver
     for one in found.candidates:
         answer = float(
@@ -63,16 +65,16 @@ def test_verified_candidates_carry_what_the_solver_says(finished):
 
 
 def test_verifying_again_runs_nothing_twice(finished):
-    solved(finished, "eighty", check=True)
+    solved(finished, "eighty")
     study, folder = finished
     journal = sorted(study.journal(folder).glob("*.jsonl"))
     before = sum(len(path.read_bytes()) for path in journal)
-    solved(finished, "eighty", check=True)
+    solved(finished, "eighty")
     assert sum(len(path.read_bytes()) for path in journal) == before
 
 
 def test_with_uncertain_inputs_the_best_candidate_is_run_at_draws_of_their_law(finished):
-    found = solved(finished, "sure", check=True, runs=12)
+    found = solved(finished, "sure", runs=12)
     best, *others = found.candidates
     assert best.verified.runs == 12
     assert all(one.verified is None for one in others)
@@ -86,14 +88,14 @@ def test_with_uncertain_inputs_the_best_candidate_is_run_at_draws_of_their_law(f
 
 def test_no_surrogate_learns_from_verifying_runs(finished):
     study, folder = finished
-    solved(finished, "eighty", check=True)
+    solved(finished, "eighty")
     fits = walk(Study.from_text(TEXT), folder).value("fits")
     assert len(fits["gp"]["flow"].values) == 16
 
 
 def test_a_study_may_learn_from_its_verifying_runs(finished):
     study, folder = finished
-    count = len(solved(finished, "eighty", check=True).candidates)
+    count = len(solved(finished, "eighty").candidates)
     wider = TEXT.replace(
         "{method: quadratic}", "{method: quadratic, train: [train, verified_eighty]}"
     )
@@ -111,14 +113,14 @@ def test_a_damaged_file_of_points_is_a_sentence(finished, tmp_path):
 
 def test_points_that_the_parameters_no_longer_hold_are_left_out(finished):
     study, folder = finished
-    solved(finished, "eighty", check=True)
+    solved(finished, "eighty")
     narrow = Study.from_text(TEXT.replace("[0.05, 0.15]", "[0.149, 0.15]"))
     assert "verified_eighty" not in set(narrow.stored(folder)["design"].values)
 
 
 def test_a_study_with_goals_answers_them_in_its_files(finished):
     study, folder = finished
-    solved(finished, "eighty", check=True)
+    solved(finished, "eighty")
     walk(Study.from_text(TEXT), folder).write()
     summary = json.loads((folder / "summary.json").read_text())["solve"]
     assert set(summary) == {"eighty", "sure"}
