@@ -47,7 +47,7 @@ def solve(
 def lines(solution: Solution, units: Mapping[str, str]) -> list[str | Table]:
     """The goal, a table of the candidates, how the promises held, and the sentence."""
     problem = solution.problem
-    parts: list[str | Table] = [f"{problem.name}: {problem}"]
+    parts: list[str | Table] = [f"{problem.name}: {solution.goal}"]
     if problem.held:
         held = ", ".join(f"{n} = {_number(v)} {units[n]}".rstrip() for n, v in problem.held.items())
         parts.append(f"held: {held}")

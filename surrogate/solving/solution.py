@@ -56,6 +56,17 @@ class Solution:
     surrogates: Mapping[str, str]
 
     @property
+    def goal(self) -> str:
+        """What was wanted, with the ends of targets that the study left open."""
+        open_ends = [
+            f"{one.output} counts as hit from {low:.4g} to {high:.4g}"
+            for one in self.problem.targets
+            if one.low is None
+            for low, high in [self.ends[one.output]]
+        ]
+        return "; ".join([str(self.problem), *open_ends])
+
+    @property
     def sure(self) -> bool:
         """Whether the best candidate meets goal and limits as surely as was asked."""
         return self.candidates[0].probability >= self.problem.sure

@@ -87,7 +87,7 @@ def figures_of(solution: Solution) -> dict[str, Any]:
     """JSON data of one solution."""
     problem = solution.problem
     return {
-        "goal": str(problem),
+        "goal": solution.goal,
         "free": list(problem.free),
         "uncertain": list(problem.uncertain),
         "held": dict(problem.held),

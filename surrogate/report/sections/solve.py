@@ -69,14 +69,8 @@ def _figures(content: Content, solution: Solution) -> Figures:
 
 
 def goal(solution: Solution) -> str:
-    """What was wanted, with the ends of targets that the study left open."""
-    words = str(solution.problem)
-    open_ends = [
-        f"{output} counts as hit from {digits.number(low)} to {digits.number(high)}"
-        for output, (low, high) in solution.ends.items()
-        if any(one.output == output and one.low is None for one in solution.problem.targets)
-    ]
-    return f"Goal: {'; '.join([words, *open_ends])}."
+    """What was wanted, as a sentence."""
+    return f"Goal: {solution.goal}."
 
 
 def _setting(content: Content, problem: Problem) -> list[str]:

@@ -211,3 +211,13 @@ def test_the_pool_fills_what_may_be_chosen():
     pool = Choice(space, (0,), np.array([0.0, 0.25])).pool(64, seed=0)
     assert np.all(pool[:, 1] == 0.25)
     assert np.diff(np.sort(pool[:, 0])).max() < 0.1
+
+
+def test_the_answer_says_what_counts_as_hit_where_nobody_did():
+    space = box("a")
+    fitted = quadratic(space, lambda a: 10 * a)
+    found = solve(Problem("five", (Target("y", 5.0),), free=("a",)), space, {"y": fitted})
+    half = 0.05 * np.ptp(fitted.values)
+    assert found.goal == f"y = 5; y counts as hit from {5 - half:.4g} to {5 + half:.4g}"
+    told = Problem("five", (Target("y", 5.0, 4.0, 6.0),), free=("a",))
+    assert solve(told, space, {"y": fitted}).goal == "y from 4 to 6"
