@@ -56,7 +56,7 @@ def lines(solution: Solution, units: Mapping[str, str]) -> list[str | Table]:
     parts += [_table(solution, units), ""]
     if len(solution.candidates) > ACROSS:
         parts.append("inputs of each: --json, the report, or solve.nc")
-    return [*parts, str(solution)]
+    return [*parts, str(solution), *filter(None, [solution.tested])]
 
 
 def _table(solution: Solution, units: Mapping[str, str]) -> Table:

@@ -71,6 +71,21 @@ class Solution:
         """Whether the best candidate meets goal and limits as surely as was asked."""
         return self.candidates[0].probability >= self.problem.sure
 
+    @property
+    def tested(self) -> str:
+        """How the solver's own runs agree with the probabilities; "" before there are any."""
+        checked = [(one.probability, one.verified) for one in self.candidates if one.verified]
+        runs, failed = (sum(getattr(v, part) for _, v in checked) for part in ("runs", "failed"))
+        lost = f"{failed} of the solver's runs at the candidates failed."
+        if not runs:
+            return lost if failed else ""
+        said = (
+            f"The solver was run at {runs} point{'s' * (runs > 1)}: "
+            f"{sum(v.met for _, v in checked)} met the goal; the probabilities promise "
+            f"{sum(p * v.runs for p, v in checked):.3g}."
+        )
+        return f"{said} {lost}" if failed else said
+
     def __str__(self) -> str:
         """What was found, in one sentence."""
         best, asked = self.candidates[0], f"{100 * self.problem.sure:.3g} %"

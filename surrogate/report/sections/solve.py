@@ -36,9 +36,8 @@ def _goal(content: Content, solution: Solution) -> list[Block]:
     tone = "lead" if solution.sure or front else "warning"
     found: list[Block] = [Text(goal(solution), "plain"), Text(str(solution), tone)]
     found += [Text(words, "note") for words in _setting(content, solution.problem)]
-    kept = promise(solution)
-    if kept:
-        found.append(Text(kept, "plain"))
+    if solution.tested:
+        found.append(Text(solution.tested))
     return [*found, _figures(content, solution), _table(content, solution)]
 
 
@@ -85,23 +84,6 @@ def _setting(content: Content, problem: Problem) -> list[str]:
             "and over the error of the surrogate."
         )
     return found
-
-
-def promise(solution: Solution) -> str:
-    """How the solver's own runs agree with the probabilities; nothing without such runs."""
-    checked = [one for one in solution.candidates if one.verified is not None]
-    runs = [
-        (one.probability, one.verified) for one in checked if one.verified and one.verified.runs
-    ]
-    if not runs:
-        return "The verifying runs have failed." if checked else ""
-    count = sum(found.runs for _, found in runs)
-    met = sum(found.met for _, found in runs)
-    expected = sum(p * found.runs for p, found in runs)
-    return (
-        f"The solver was run at {digits.quantity(count, 'point')}: {met} met the goal; the "
-        f"probabilities promise {digits.number(expected, 3)}."
-    )
 
 
 def _table(content: Content, solution: Solution) -> Table:

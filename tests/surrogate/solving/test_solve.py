@@ -1,5 +1,7 @@
 """The search for inputs against answers that are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import optimize, stats
@@ -11,6 +13,7 @@ from surrogate.regressors.polynomial import Quadratic
 from surrogate.solving.goals import Desire, Objective, Target
 from surrogate.solving.outlook import Outlook, correlation
 from surrogate.solving.problem import Problem
+from surrogate.solving.promise import Verified
 from surrogate.solving.search import Choice
 from surrogate.solving.solve import solve
 from surrogate.space.constraints import parse
@@ -221,3 +224,22 @@ def test_the_answer_says_what_counts_as_hit_where_nobody_did():
     assert found.goal == f"y = 5; y counts as hit from {5 - half:.4g} to {5 + half:.4g}"
     told = Problem("five", (Target("y", 5.0, 4.0, 6.0),), free=("a",))
     assert solve(told, space, {"y": fitted}).goal == "y from 4 to 6"
+
+
+def test_what_the_solver_said_is_told_beside_the_promises():
+    space = box("a")
+    problem = Problem("five", (Target("y", 5.0, 4.0, 6.0),), free=("a",))
+    found = solve(problem, space, {"y": quadratic(space, lambda a: 10 * a)})
+    assert found.tested == ""
+
+    def beside(*verified):
+        rows = [replace(found.candidates[0], probability=0.9, verified=one) for one in verified]
+        return replace(found, candidates=tuple(rows)).tested
+
+    assert beside(Verified({"y": (5.1, 7.0)}, 1), Verified({"y": (4.2,)}, 1)) == (
+        "The solver was run at 3 points: 2 met the goal; the probabilities promise 2.7."
+    )
+    assert beside(Verified({"y": ()}, 0, 2)) == "2 of the solver's runs at the candidates failed."
+    assert beside(Verified({"y": (5.0,)}, 1, 1)).endswith(
+        "promise 0.9. 1 of the solver's runs at the candidates failed."
+    )
