@@ -9,7 +9,7 @@ from surrogate.cli.page import Page
 from surrogate.cli.results import analyse
 from surrogate.report.dossier import Dossier
 from surrogate.runs.files import write_text
-from surrogate.study.credibility_part import CredibilityPart
+from surrogate.study.parts.credibility import CredibilityPart
 from surrogate.study.study import Study
 
 NAME = "dossier"

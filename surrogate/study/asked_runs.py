@@ -33,7 +33,7 @@ from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
 from surrogate.space.space import Space
 from surrogate.stages import written
 from surrogate.study.kept_designs import RUNS, keep, recall
-from surrogate.study.parts import ExecutionPart
+from surrogate.study.parts.execution import ExecutionPart
 
 #: Random points among those that stand for points not found yet.
 SOME = 100

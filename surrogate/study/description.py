@@ -28,7 +28,7 @@ from surrogate.stages.screening import ScreeningRule, nominal_values
 from surrogate.stages.sensitivity import SensitivityMethod
 from surrogate.stages.yaml_text import write_yaml
 from surrogate.study import reading
-from surrogate.study.parts import ExecutionPart
+from surrogate.study.parts.execution import ExecutionPart
 from surrogate.study.source import Source
 from surrogate.validation.validation import Validation
 

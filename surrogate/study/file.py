@@ -10,24 +10,20 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from surrogate.errors import KeyPath, Mistake, nearest
-from surrogate.study.credibility_part import CredibilityPart, EvidencePart
-from surrogate.study.learning_part import LearningPart, UntilPart
-from surrogate.study.parts import (
-    ConstantPart,
-    DataOutputPart,
-    DataPart,
-    DataTestPart,
+from surrogate.study.parts.credibility import CredibilityPart, EvidencePart
+from surrogate.study.parts.data import DataOutputPart, DataPart, DataTestPart
+from surrogate.study.parts.execution import ExecutionPart
+from surrogate.study.parts.inputs import ConstantPart, ParameterPart, SolverPart
+from surrogate.study.parts.learning import LearningPart, UntilPart
+from surrogate.study.parts.methods import (
     DesignPart,
-    ExecutionPart,
-    ParameterPart,
     ScreeningPart,
     SensitivityPart,
-    SolverPart,
-    StudyPart,
     SurrogatePart,
     ValidationPart,
 )
-from surrogate.study.solve_part import DesirePart, SolvePart, TargetPart
+from surrogate.study.parts.solve import DesirePart, SolvePart, TargetPart
+from surrogate.study.parts.study import StudyPart
 
 #: Sections whose entries are checked one by one: a broken entry leaves the others standing.
 _SECTIONS = ("parameters", "constants", "designs", "surrogates", "solve")

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from surrogate.study.catalogue import catalogue
-from surrogate.study.parts import StudyPart
+from surrogate.study.parts.study import StudyPart
 
 #: Short forms that the parts take in place of a mapping.
 _SHORT_FORMS = {

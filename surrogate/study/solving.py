@@ -18,10 +18,10 @@ from surrogate.stages.solve import verified
 from surrogate.stages.stage import Step
 from surrogate.study import file as studyfile
 from surrogate.study.analysis import walk
+from surrogate.study.parts.solve import SolvePart
 from surrogate.study.prediction import told, usable
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.solving import problem_of
-from surrogate.study.solve_part import SolvePart
 from surrogate.study.study import Study
 from surrogate.study.verifying import verify
 

@@ -17,7 +17,7 @@ from surrogate.space import laws, units
 from surrogate.space.discrete import DiscreteLaw
 from surrogate.space.distributions import distribution
 from surrogate.space.space import Parameter, Space
-from surrogate.study.calibration_part import CalibrationPart, PriorPart
+from surrogate.study.parts.calibration import CalibrationPart, PriorPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.named import check_surrogate, is_scalar
 from surrogate.study.reading.validation import cases_at

@@ -7,7 +7,7 @@ import numpy as np
 from surrogate.errors import StudyError, nearest
 from surrogate.solver import Input, Solver
 from surrogate.space import units
-from surrogate.study.parts import ConstantPart
+from surrogate.study.parts.inputs import ConstantPart
 from surrogate.study.reading.mistakes import Reading
 
 

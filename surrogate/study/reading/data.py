@@ -15,7 +15,9 @@ from surrogate.errors import KeyPath, Mistake, StudyError, nearest
 from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Output, Solver
 from surrogate.space import units
-from surrogate.study.parts import DataPart, ParameterPart, StudyPart
+from surrogate.study.parts.data import DataPart
+from surrogate.study.parts.inputs import ParameterPart
+from surrogate.study.parts.study import StudyPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.tables import rows as table_rows
 from surrogate.tables.columns import Column

@@ -21,7 +21,7 @@ from surrogate.stages.plugin import call, parameters_of
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
-from surrogate.study.parts import AugmentPart, DesignPart
+from surrogate.study.parts.methods import AugmentPart, DesignPart
 from surrogate.study.reading.mistakes import Reading
 
 #: Parameters of design methods that the framework fills in; they are not options.

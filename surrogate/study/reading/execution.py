@@ -14,7 +14,7 @@ from surrogate.execution.shared.work import Shared
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
-from surrogate.study.parts import ExecutionPart
+from surrogate.study.parts.execution import ExecutionPart
 from surrogate.study.reading.mistakes import Reading
 
 #: The first parameter of an executor's function, which is no option.

@@ -10,7 +10,7 @@ from surrogate.solver import Output, Solver
 from surrogate.space import units
 from surrogate.stages.learning import ALL, BEST, LearningRule
 from surrogate.stages.sensitivity import SensitivityMethod
-from surrogate.study.learning_part import LearningPart, UntilPart
+from surrogate.study.parts.learning import LearningPart, UntilPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.named import check_surrogate, is_scalar
 

@@ -20,7 +20,7 @@ from surrogate.stages.solve import design_of
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
-from surrogate.study.parts import SensitivityPart, SurrogatePart
+from surrogate.study.parts.methods import SensitivityPart, SurrogatePart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.named import check_surrogate
 from surrogate.study.reading.rows import DATA

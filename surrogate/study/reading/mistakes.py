@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from surrogate.errors import DesignError, KeyPath, Mistake, PluginError, StudyError
-from surrogate.study.parts import StudyPart
+from surrogate.study.parts.study import StudyPart
 from surrogate.study.source import Source
 
 

@@ -15,7 +15,7 @@ from surrogate.space.discrete import integers, listed
 from surrogate.space.distributions import UNBOUNDED, distribution
 from surrogate.space.fitted import FROM_DATA, law_of
 from surrogate.space.space import Parameter, Space
-from surrogate.study.parts import ParameterPart
+from surrogate.study.parts.inputs import ParameterPart
 from surrogate.study.reading.constants import check_accepted, constants_of
 from surrogate.study.reading.constraints import constraints_of
 from surrogate.study.reading.mistakes import Reading

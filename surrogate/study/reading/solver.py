@@ -14,7 +14,7 @@ from surrogate.stages.plugin import call
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
-from surrogate.study.parts import SolverPart
+from surrogate.study.parts.inputs import SolverPart
 from surrogate.study.reading.building import limited
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.solver_factory import SolverFactory

@@ -13,9 +13,9 @@ from surrogate.space import units
 from surrogate.space.constraints import Relation, parse
 from surrogate.space.space import Parameter, Space
 from surrogate.stages.screening import nominal_values
+from surrogate.study.parts.solve import DesirePart, SolvePart, TargetPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.named import check_surrogate, is_scalar
-from surrogate.study.solve_part import DesirePart, SolvePart, TargetPart
 
 Values = Mapping[str, float | str]
 

@@ -10,7 +10,7 @@ from surrogate.errors import StudyError, nearest
 from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Output, Solver
 from surrogate.space.space import Space
-from surrogate.study.parts import ValidationPart
+from surrogate.study.parts.methods import ValidationPart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.named import is_scalar
 from surrogate.study.reading.solver import solver_of

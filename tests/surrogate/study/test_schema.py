@@ -12,7 +12,7 @@ import yaml
 from surrogate.stages.reduced_study import _forget
 from surrogate.study import template
 from surrogate.study.catalogue import catalogue
-from surrogate.study.parts import StudyPart
+from surrogate.study.parts.study import StudyPart
 from surrogate.study.schema import json_schema
 
 SCHEMA = json_schema()

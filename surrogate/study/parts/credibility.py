@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from surrogate.study.part import Part
+from surrogate.study.parts.part import Part
 
 
 class EvidencePart(Part):

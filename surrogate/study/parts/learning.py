@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from surrogate.study.part import Part
-from surrogate.study.values import Number, Texts
+from surrogate.study.parts.part import Part
+from surrogate.study.parts.values import Number, Texts
 
 
 class UntilPart(Part):

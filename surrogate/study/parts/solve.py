@@ -6,8 +6,8 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from surrogate.study.part import Part
-from surrogate.study.values import Name, Number, Texts
+from surrogate.study.parts.part import Part
+from surrogate.study.parts.values import Name, Number, Texts
 
 #: A number in the output's unit, or a text with a unit.
 Quantity = Number | str

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from surrogate.study.part import OpenPart, Part
-from surrogate.study.values import Name, Number, Texts
+from surrogate.study.parts.part import OpenPart, Part
+from surrogate.study.parts.values import Name, Number, Texts
 
 
 class PriorPart(OpenPart):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, model_validator
 
 
 class Part(BaseModel):
@@ -24,3 +24,12 @@ class OpenPart(Part):
     def options(self) -> dict[str, Any]:
         """The further keys."""
         return dict(self.__pydantic_extra__ or {})
+
+
+class MethodPart(OpenPart):
+    """A method and its options; its name alone where it needs none."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short(cls, value: Any) -> Any:
+        return {"method": value} if isinstance(value, str) else value
