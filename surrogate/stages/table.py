@@ -44,23 +44,19 @@ def _file(name: str, content: Callable[[Any], bytes | memoryview]) -> Files:
     return Files(name, lambda value: {} if value is None or value == "" else {name: content(value)})
 
 
-def _dataset(name: str) -> Files:
-    """A dataset as netCDF4, made in memory: HDF5 ends the process when a disk fills under it."""
-    return Files(name, lambda found: {} if found is None else {name: encoded(found)})
+def _netcdf(
+    name: str, of: Callable[[Any], Any] = lambda found: found, *, compressed: bool = False
+) -> Files:
+    """A dataset or a tree as netCDF4; none when the stage has nothing to give.
 
+    Made in memory: HDF5 ends the process when a disk fills under it. of: value -> dataset or tree
+    """
 
-def _regression_file(tables: Any) -> Mapping[str, memoryview]:
-    found = tree(tables)
-    return {} if found is None else {"regression.nc": encoded(found)}
+    def contents(value: Any) -> Mapping[str, memoryview]:
+        found = None if value is None else of(value)
+        return {} if found is None else {name: encoded(found, compressed=compressed)}
 
-
-def _solve_file(solutions: Any) -> Mapping[str, memoryview]:
-    found = solve.tree(solutions)
-    return {} if found is None else {"solve.nc": encoded(found)}
-
-
-def _posterior_file(found: Any) -> Mapping[str, memoryview]:
-    return {} if found is None else {"posterior.nc": encoded(found.tree, compressed=True)}
+    return Files(name, contents)
 
 
 STAGES = (
@@ -69,7 +65,7 @@ STAGES = (
         reads=("text",),
         needs=("runs",),
         does=lambda text, runs: runs.assign_attrs(study=text),
-        files=_dataset("runs.nc"),
+        files=_netcdf("runs.nc"),
         kept=False,
     ),
     Stage(
@@ -116,7 +112,7 @@ STAGES = (
         reads=("outputs",),
         needs=("runs", "fits"),
         does=comparison,
-        files=_dataset("comparison.nc"),
+        files=_netcdf("comparison.nc"),
         figures=figures_of,
     ),
     Stage(
@@ -125,7 +121,7 @@ STAGES = (
         needs=("fits", "comparison"),
         jobs=sensitivity.jobs,
         does=sensitivity.gather,
-        files=_dataset("sensitivity.nc"),
+        files=_netcdf("sensitivity.nc"),
         figures=figures_of,
     ),
     Stage(
@@ -133,7 +129,7 @@ STAGES = (
         reads=("deterministic",),
         needs=("fits",),
         does=regression,
-        files=Files("regression.nc", _regression_file),
+        files=_netcdf("regression.nc", tree),
         figures=figures_by_output,
     ),
     Stage(
@@ -157,7 +153,7 @@ STAGES = (
         needs=("runs", "fits", "comparison"),
         jobs=learning.jobs,
         does=learning.gather,
-        files=_dataset("learning.nc"),
+        files=_netcdf("learning.nc"),
         figures=figures_of,
     ),
     Stage(
@@ -172,7 +168,7 @@ STAGES = (
         reads=(),
         needs=("runs", "candidates"),
         does=solve.solve,
-        files=Files("solve.nc", _solve_file),
+        files=_netcdf("solve.nc", solve.tree),
         figures=solve.figures,
         kept=False,
     ),
@@ -182,7 +178,7 @@ STAGES = (
         needs=("fits", "comparison"),
         jobs=calibration.jobs,
         does=calibration.gather,
-        files=Files("posterior.nc", _posterior_file),
+        files=_netcdf("posterior.nc", lambda found: found.tree, compressed=True),
         figures=calibration.figures,
     ),
     Stage(
@@ -190,7 +186,7 @@ STAGES = (
         reads=("validation_rule", "space", "offered", "fixed"),
         needs=("fits", "cases"),
         does=validation,
-        files=_dataset("validation.nc"),
+        files=_netcdf("validation.nc"),
         figures=figures_of,
     ),
     Stage("scene", reads=("scene_of", "space", "fixed"), needs=(), does=scene),
