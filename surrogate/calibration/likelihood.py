@@ -31,6 +31,7 @@ from surrogate.fitting.fit import Fit
 
 Array = NDArray[np.float64]
 
+LOG_2PI = float(np.log(2.0 * np.pi))
 #: Added to variances, as a share of their mean, so that rounding leaves them positive definite.
 JITTER = 1e-10
 
@@ -39,7 +40,7 @@ JITTER = 1e-10
 class Normal:
     """The law of the measurements of one output, for w values of the unknowns.
 
-    rows      (k,) cases that were measured;  residual (w, k) measured - mean;  mean (w, k)
+    rows      (k,) cases that were measured;  mean (w, k)
     emulator  (w, k, k) covariance of the surrogate's errors
     bias      (w, k, k) of the discrepancy;  noise (w, k) variances of measurement
     """
@@ -68,28 +69,21 @@ class Normal:
     @cached_property
     def log_density(self) -> Array:
         """(w,) of the measurements; -inf where the covariance is not positive definite."""
-        try:
-            factor = np.linalg.cholesky(self.covariance)
-        except np.linalg.LinAlgError:
-            return np.array(
-                [_one(*pair) for pair in zip(self.covariance, self.residual, strict=True)]
-            )
-        white = np.linalg.solve(factor, self.residual[:, :, None])[:, :, 0]
-        logs = np.log(np.einsum("wii->wi", factor)).sum(axis=1)
-        return np.asarray(-0.5 * (white**2).sum(axis=1) - logs - 0.5 * len(self.rows) * LOG_2PI)
+        return _log_density(self.covariance, self.residual)
 
 
-LOG_2PI = float(np.log(2.0 * np.pi))
-
-
-def _one(covariance: Array, residual: Array) -> float:
+def _log_density(covariance: Array, residual: Array) -> Array:
+    """(w,) of normal laws with covariances (w, k, k) at residuals (w, k)."""
     try:
         factor = np.linalg.cholesky(covariance)
-    except np.linalg.LinAlgError:
-        return -np.inf
-    white = np.linalg.solve(factor, residual)
-    logs = np.log(np.diag(factor)).sum()
-    return float(-0.5 * white @ white - logs - 0.5 * len(residual) * LOG_2PI)
+    except np.linalg.LinAlgError:  # it does not say of which: one by one
+        if len(covariance) == 1:
+            return np.array([-np.inf])
+        alone = np.arange(len(covariance))[:, None]
+        return np.concatenate([_log_density(covariance[w], residual[w]) for w in alone])
+    white = np.linalg.solve(factor, residual[:, :, None])[:, :, 0]
+    logs = np.log(np.einsum("wii->wi", factor)).sum(axis=1)
+    return np.asarray(-0.5 * (white**2).sum(axis=1) - logs - 0.5 * residual.shape[1] * LOG_2PI)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,10 +108,6 @@ class Likelihood:
         for law in self.laws(z):
             total += law.log_density
         return np.where(np.isfinite(total), total, -np.inf)
-
-    def log_posterior(self, z: Array) -> Array:
-        """(w,) up to a constant."""
-        return self.log_prior(z) + self.log_likelihood(z)
 
     def laws(self, z: Array) -> Iterator[Normal]:
         """The law of the measurements of each output."""

@@ -10,6 +10,7 @@ import pytest
 from scipy import stats
 
 from surrogate.calibration.calibrate import calibrate, likelihood_of
+from surrogate.calibration.likelihood import Normal
 from surrogate.calibration.posterior import Posterior
 from surrogate.calibration.problem import Measured, Problem
 from surrogate.fitting.fit import Fit, fit
@@ -53,6 +54,24 @@ def conjugate(values: np.ndarray, error: float, extra: np.ndarray | float = 0.0)
     precision = slope @ np.linalg.solve(covariance, slope) + 1.0 / 0.5**2
     mean = (slope @ np.linalg.solve(covariance, values - zero) + 1.0 / 0.5**2) / precision
     return mean, precision**-0.5
+
+
+def test_a_covariance_that_is_not_positive_definite_costs_its_own_value_only():
+    rng = np.random.default_rng(5)
+    root, mean, values = rng.normal(size=(4, 5, 5)), rng.normal(size=(4, 5)), rng.normal(size=5)
+    covariance = root @ root.swapaxes(1, 2) + 0.1 * np.eye(5)
+    measured, none = Measured("y", "", values, np.ones(5)), np.zeros((4, 5, 5))
+    expected = [
+        stats.multivariate_normal(*one).logpdf(values) for one in zip(mean, covariance, strict=True)
+    ]
+
+    def densities() -> np.ndarray:
+        return Normal(measured, np.arange(5), mean, covariance, none, none[:, 0]).log_density
+
+    assert densities() == pytest.approx(expected, rel=1e-7)
+    covariance[1, 0, 0] = -1.0
+    expected[1] = -np.inf
+    assert densities() == pytest.approx(expected, rel=1e-7)
 
 
 VALUES = 2.0 + 0.5 * X + 3.0 * 1.4 + np.array([0.3, -0.2, 0.5, 0.1, -0.4])
