@@ -21,6 +21,7 @@ from surrogate.calibration.priors import Coordinates, unknowns
 from surrogate.calibration.problem import Problem
 from surrogate.calibration.sampling import Chains
 from surrogate.errors import StudyError
+from surrogate.fitting.comparison import chosen
 from surrogate.fitting.fit import Fit
 
 Array = NDArray[np.float64]
@@ -95,8 +96,8 @@ def _posterior(likelihood: Likelihood, chains: Chains) -> Posterior:
 def _thinned(chains: Chains, draws: int) -> tuple[Array, Array]:
     """Coordinates and log posterior of about `draws` draws, evenly along every chain."""
     each = min(max(-(-draws // chains.z.shape[0]), 4), chains.z.shape[1])
-    chosen = np.linspace(0, chains.z.shape[1] - 1, each).round().astype(int)
-    return chains.z[:, chosen], chains.log_posterior[:, chosen]
+    kept = np.linspace(0, chains.z.shape[1] - 1, each).round().astype(int)
+    return chains.z[:, kept], chains.log_posterior[:, kept]
 
 
 def _prior(likelihood: Likelihood) -> dict[str, Array]:
@@ -185,13 +186,8 @@ def fits_for(
     problem: Problem, best: Mapping[str, str], fits: Mapping[str, Mapping[str, Fit]]
 ) -> dict[str, Fit]:
     """The fit of each measured output; raises `StudyError` where there is none."""
-    found, lacking = {}, []
-    for one in problem.measured:
-        name = best.get(one.output) if problem.surrogate == "best" else problem.surrogate
-        if name is None or one.output not in fits.get(name, {}):
-            lacking.append(one.output)
-        else:
-            found[one.output] = fits[name][one.output]
+    found, outputs = chosen(problem.surrogate, best, fits), [one.output for one in problem.measured]
+    lacking = [output for output in outputs if output not in found]
     if lacking:
         raise StudyError(f"calibration: no surrogate of {', '.join(lacking)}")
-    return found
+    return {output: found[output] for output in outputs}

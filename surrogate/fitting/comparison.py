@@ -87,6 +87,17 @@ def best(table: xr.Dataset) -> dict[str, str]:
     }
 
 
+def chosen(surrogate: str, best: Mapping[str, str], fits: Fits) -> dict[str, Fit]:
+    """The fit of each output, as far as there is one.
+
+    surrogate: a name, or `best` for the surrogate that `best` names for the output
+    """
+    names = best if surrogate == "best" else dict.fromkeys(fits.get(surrogate, {}), surrogate)
+    return {
+        output: fits[name][output] for output, name in names.items() if output in fits.get(name, {})
+    }
+
+
 def _row(fit: Fit, test: Runs | None) -> tuple[dict[str, float], Array]:
     """Columns of one surrogate and output, and coverage at each level."""
     row = {

@@ -59,12 +59,8 @@ def fits_for(problem: Problem, fits: Fits, comparison: xr.Dataset | None) -> dic
     """The fit of each output that the problem names, as far as there is one."""
     best = comparing.best(comparison) if comparison is not None else {}
     offered = dict.fromkeys(output for by_output in fits.values() for output in by_output)
-    found = {}
-    for output in problem.outputs(offered):
-        name = best.get(output) if problem.surrogate == "best" else problem.surrogate
-        if name is not None and output in fits.get(name, {}):
-            found[output] = fits[name][output]
-    return found
+    found = comparing.chosen(problem.surrogate, best, fits)
+    return {output: found[output] for output in problem.outputs(offered) if output in found}
 
 
 def gather(done: Iterable[tuple[Job, Result]]) -> Result:

@@ -56,12 +56,7 @@ def jobs(
 
 def analysed(method: SensitivityMethod, fits: Fits, comparison: xr.Dataset) -> dict[str, Fit]:
     """The fit of each output that sensitivity reads."""
-    names = (
-        comparing.best(comparison)
-        if method.surrogate == "best"
-        else dict.fromkeys(fits.get(method.surrogate, {}), method.surrogate)
-    )
-    return {output: fits[name][output] for output, name in names.items()}
+    return comparing.chosen(method.surrogate, comparing.best(comparison), fits)
 
 
 def indices(method: SensitivityMethod, space: Space, fit: Fit, q2: float) -> xr.Dataset:
