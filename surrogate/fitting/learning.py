@@ -20,6 +20,7 @@ from surrogate.counting import counted
 from surrogate.errors import FitError
 from surrogate.estimator import Array, Regressor, refits_many
 from surrogate.fitting.fit import Fit, minimum_runs, prepare, q2, rmse
+from surrogate.fitting.replicates import runs_by_point
 from surrogate.regressors.polynomial import Polynomial
 
 Numbers = NDArray[np.intp]
@@ -78,7 +79,7 @@ def learn(
     A surrogate that can be refitted from nearby (a Gaussian process, from its lengths) is.
     Raises `FitError` when there are too few runs for three sizes.
     """
-    points = _points(fit.coded)
+    points = runs_by_point(fit.coded)  # replicates stay together
     whole = len(points)
     sizes = _sizes(whole, minimum_runs(estimator, fit.space), test is not None)
     prepared = prepare(estimator, fit.space, seed=seed)
@@ -104,11 +105,10 @@ def learn(
 def has_curve(fit: Fit, tested: bool) -> bool:
     """True when the runs are enough for the curve of a fit on given terms."""
     try:
-        return (
-            len(_sizes(len(_points(fit.coded)), minimum_runs(fit.estimator, fit.space), tested)) > 2
-        )
+        _sizes(len(runs_by_point(fit.coded)), minimum_runs(fit.estimator, fit.space), tested)
     except FitError:
         return False
+    return True
 
 
 def has_given_terms(estimator: Regressor) -> TypeGuard[Polynomial]:
@@ -116,14 +116,11 @@ def has_given_terms(estimator: Regressor) -> TypeGuard[Polynomial]:
     return isinstance(estimator, Polynomial)
 
 
-def _points(coded: Array) -> list[Numbers]:
-    """The runs at each different point: replicates stay together."""
-    _, point = np.unique(np.round(coded, 9), axis=0, return_inverse=True)
-    return [np.flatnonzero(point.ravel() == number) for number in range(point.max() + 1)]
-
-
 def _sizes(whole: int, fewest: int, tested: bool) -> Numbers:
-    """Numbers of points (k,): a factor `RATIO` apart, down from all or from `LARGEST` of them."""
+    """Numbers of points (k,): a factor `RATIO` apart, down from all or from `LARGEST` of them.
+
+    Raises `FitError` when there are less than three.
+    """
     largest = whole if tested else int(LARGEST * whole)
     least = max(int(np.ceil(ROOM * fewest)), int(np.ceil(SMALLEST * whole)), 3)
     steps = int(np.floor(np.log(max(largest / least, 1.0)) / np.log(RATIO) + 1e-9))

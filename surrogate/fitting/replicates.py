@@ -44,13 +44,18 @@ class Replicates:
         return self.p < CHANCE
 
 
+def runs_by_point(coded: NDArray[np.float64]) -> list[NDArray[np.intp]]:
+    """Numbers of the runs at each different point of coded (n, d), rising."""
+    _, point, runs = np.unique(np.round(coded, 9), axis=0, return_inverse=True, return_counts=True)
+    return np.split(np.argsort(point.ravel(), kind="stable"), np.cumsum(runs)[:-1])
+
+
 def replicates(coded: NDArray[np.float64], values: NDArray[np.float64]) -> Replicates | None:
     """The scatter of values (n,) at equal points of coded (n, d); None when there is none.
 
     Equal answers at equal points are those of a deterministic solver and no scatter.
     """
-    _, point = np.unique(np.round(coded, 9), axis=0, return_inverse=True)
-    groups = [values[point.ravel() == k] for k in np.flatnonzero(np.bincount(point.ravel()) > 1)]
+    groups = [values[own] for own in runs_by_point(coded) if len(own) > 1]
     size = 1e-12 * np.abs(values).max(initial=0.0)
     if not any(np.ptp(group) > size for group in groups):
         return None
