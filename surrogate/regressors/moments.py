@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
+from surrogate.regressors.least_squares import LEVERAGE_TOLERANCE
 from surrogate.regressors.orthogonal import Rows
+from surrogate.regressors.pursuit import strongest
 
 Array = NDArray[np.float64]
 Folds = NDArray[np.intp]
@@ -124,9 +126,8 @@ def path(given: Moments, steps: int) -> Path:
     order: list[int] = []
     factor, heights = np.empty((steps, len(squares))), np.empty(steps)
     for k in range(steps):
-        gains = np.where(squares > floor, along**2 / np.maximum(squares, floor), -1.0)
-        column = int(np.argmax(gains >= (1.0 - 1e-9) * gains.max())) if k else 0
-        if gains[column] <= 0.0 and k:
+        column = strongest(squares, along, floor) if k else 0
+        if column is None:
             break
         size = np.sqrt(squares[column])
         heights[k] = along[column] / size
@@ -178,7 +179,8 @@ class FitOfMany:
             matrix = self.rows(self.points[part])
             leverage = (linalg.solve_triangular(self.upper, matrix.T, trans="T") ** 2).sum(axis=0)
             errors = self.y[part] - matrix @ self.coefficients
-            slack = np.where(1.0 - leverage < 1e-10, np.nan, 1.0 - leverage)
+            slack = 1.0 - leverage
+            slack[slack < LEVERAGE_TOLERANCE] = np.nan
             found[part] = self.y[part] - errors / slack
         return found
 

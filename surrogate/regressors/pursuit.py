@@ -19,16 +19,14 @@ def pursue(matrix: Array, y: Array, steps: int) -> list[int]:
     """Columns of matrix (n, p) in the order of orthogonal least squares, the first one first.
 
     Squared norms and products with y of all columns, less their parts along those taken,
-    are kept up to date by one matrix-vector product a step, O(n p). Of columns that gain the
-    same but for rounding, as aliased terms do, the first one is taken.
+    are kept up to date by one matrix-vector product a step, O(n p).
     """
     squares, along = (matrix**2).sum(axis=0), y @ matrix
     floor = 1e-10 * squares + 1e-300
     taken, basis = [], np.empty((len(y), steps))
     for k in range(steps):
-        gains = np.where(squares > floor, along**2 / np.maximum(squares, floor), -1.0)
-        column = int(np.argmax(gains >= (1.0 - 1e-9) * gains.max())) if k else 0
-        if gains[column] <= 0.0 and k:
+        column = strongest(squares, along, floor) if k else 0
+        if column is None:
             break
         direction = matrix[:, column].copy()
         for _ in range(2):
@@ -39,6 +37,18 @@ def pursue(matrix: Array, y: Array, steps: int) -> list[int]:
         squares[column] = 0.0
         taken.append(column)
     return taken
+
+
+def strongest(squares: Array, along: Array, floor: Array) -> int | None:
+    """The column that reduces the residual most; None when no column does.
+
+    squares, along: squared norms (p,) and products with y (p,), less the parts along columns
+    taken; below `floor` nothing but rounding is left. Of columns that gain the same but for
+    rounding, as aliased terms do, the first one is taken.
+    """
+    gains = np.where(squares > floor, along**2 / np.maximum(squares, floor), -1.0)
+    column = int(np.argmax(gains >= (1.0 - 1e-9) * gains.max()))
+    return column if gains[column] > 0.0 else None
 
 
 def best_count(matrix: Array, y: Array, folds: NDArray[np.intp]) -> tuple[int, float]:
