@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 REACH = 0.998
 HIGHEST, MOST_TERMS = 8, 60
 HELD_OUT = 24
+#: Points tried until one has a scene.
+TRIED = 8
 #: Error over the size of a part below which a polynomial is exact.
 EXACT = 1e-9
 
@@ -162,7 +164,7 @@ def _active(
     seen: Callable[[Array], list[Scene | None]], space: Space
 ) -> tuple[tuple[int, ...], Scene]:
     """Parameters that move anything when one of them goes from a point to elsewhere."""
-    for base in _sobol(8, space.size):
+    for base in _sobol(TRIED, space.size):
         moved = np.tile(base, (space.size + 1, 1))
         moved[1:] -= np.diag(np.where(base > 0, 1.0, -1.0))
         first, *others = seen(moved)
@@ -175,7 +177,7 @@ def _active(
             and any(not np.array_equal(a, b) for a, b in zip(first.parts, other.parts, strict=True))
         ]
         return tuple(changed), first
-    raise FitError("hardly a point has a geometry")
+    raise FitError(f"none of {TRIED} points has a geometry")
 
 
 def _powers(size: int, highest: int) -> NDArray[np.intp]:
