@@ -101,9 +101,9 @@ def _span(parameter: Parameter) -> tuple[float, float]:
 def _scaled(space: Space, active: Sequence[int], coded: Array) -> Array:
     """Scaled values (m, active) at coded points (m, d), as levels and steps allow them."""
     columns = []
-    for parameter in (space.parameters[j] for j in active):
-        column = coded[:, space.names.index(parameter.name)]
-        values = parameter.decode(column)
+    for j in active:
+        parameter = space.parameters[j]
+        values = parameter.decode(coded[:, j])
         low, high = _span(parameter)
         known = parameter.encode(values) if parameter.categorical else np.asarray(values, float)
         columns.append(2.0 * (known - low) / (high - low) - 1.0)
