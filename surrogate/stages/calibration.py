@@ -13,7 +13,7 @@ from surrogate.calibration.problem import Problem
 from surrogate.fitting import comparison as comparing
 from surrogate.stages.fits import Fits
 from surrogate.stages.stage import Job, Result
-from surrogate.stages.summary import figures_of, json_data
+from surrogate.stages.summary import json_data
 
 
 def jobs(measured: Problem | None, fits: Fits, comparison: xr.Dataset | None) -> list[Job]:
@@ -42,10 +42,7 @@ def figures(found: Posterior | None) -> dict[str, Any] | None:
         return None
     problem, table = found.problem, found.figures
     by_name = {
-        str(name): {
-            str(key): json_data(column.sel(unknown=name).values)
-            for key, column in table.data_vars.items()
-        }
+        name: {key: column.sel(unknown=name).values for key, column in table.data_vars.items()}
         for name in table["unknown"].values
     }
     whole: dict[str, Any] = json_data(
@@ -55,9 +52,9 @@ def figures(found: Posterior | None) -> dict[str, Any] | None:
             "outputs": [one.output for one in problem.measured],
             "cases": len(problem.labels),
             "discrepancy": problem.discrepancy,
-            "surrogates": dict(found.surrogates),
+            "surrogates": found.surrogates,
             "unknowns": by_name,
-            "sampler": figures_of(table)["attributes"],
+            "sampler": table.attrs,
             "notes": list(found.notes),
         }
     )
