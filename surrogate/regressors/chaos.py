@@ -107,7 +107,7 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         best, at = 1.0, 0
         chosen: tuple[Index, ...] = ((),)
         for degree in range(1, self.max_degree + 1):
-            indices = hyperbolic(_sizes(self.bases_), degree, self.hyperbolic)
+            indices = self._candidates(degree)
             if len(indices) > CANDIDATES or degree > at + PATIENCE:
                 break
             matrix = products(indices, values)
