@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from surrogate.errors import StudyError
-from surrogate.fitting.extrapolation import extrapolates
+from surrogate.fitting.extrapolation import Cloud
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
@@ -35,13 +35,13 @@ class Choice:
     """The points that may be chosen: free parameters vary, the others are held.
 
     held    coded point (d,); its free values do not count
-    clouds  training points (n, d) among which the points must lie
+    clouds  of training points, among which the points must lie
     """
 
     space: Space
     free: tuple[int, ...]
     held: Array
-    clouds: tuple[Array, ...] = ()
+    clouds: tuple[Cloud, ...] = ()
 
     @cached_property
     def ends(self) -> Array:
@@ -55,8 +55,8 @@ class Choice:
         if self.space.region is not None:
             coded, inside = self.space.region.moved(coded, self.free)
             inside &= self.space.contains(coded)
-        for training in self.clouds:
-            inside &= ~extrapolates(self.space, training, coded)
+        for cloud in self.clouds:
+            inside &= ~cloud.leaves_out(coded)
         return coded, inside
 
     def pool(self, size: int, seed: int) -> Array:

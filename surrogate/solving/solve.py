@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from surrogate.errors import StudyError
+from surrogate.fitting.extrapolation import cloud
 from surrogate.fitting.fit import Fit
 from surrogate.solving.front import front
 from surrogate.solving.merit import Judgement, Merit
@@ -37,12 +38,12 @@ def solve(
     space: Space,
     fits: Mapping[str, Fit],
     *,
-    cloud: bool = False,
+    among: bool = False,
     seed: int = 0,
 ) -> Solution:
     """The candidates, from fits (output -> fit) of the outputs that goals and limits name.
 
-    cloud: the runs are rows of a table, which do not fill the space; candidates lie among them.
+    among: the runs are rows of a table, which do not fill the space; candidates lie among them.
     Raises `StudyError` where no inputs may be chosen or an output is no single number.
     """
     for name, fit in fits.items():
@@ -51,7 +52,7 @@ def solve(
     index = {name: j for j, name in enumerate(space.names)}
     uncertain = tuple(index[name] for name in problem.uncertain)
     free = tuple(index[name] for name in problem.free)
-    clouds = tuple(fit.coded for fit in fits.values()) if cloud else ()
+    clouds = tuple(cloud(space, fit.coded) for fit in fits.values()) if among else ()
     choice = Choice(space, free, _held(problem, space), clouds)
     drawn = SEARCH if uncertain else SEARCH_ALONE
     merit = Merit(problem, Outlook(space, fits, uncertain, *drawn, SEARCH_SEED + seed, exact=False))

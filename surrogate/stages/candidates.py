@@ -52,7 +52,7 @@ def candidates(problem: Problem, space: Space, recorded: bool, fits: Mapping[str
         raise StudyError(f"solve {problem.name}: no surrogate of {', '.join(lacking)}")
     from surrogate.solving.solve import solve  # scipy.stats: not for studies without goals
 
-    return solve(problem, space, fits, cloud=recorded)
+    return solve(problem, space, fits, among=recorded)
 
 
 def fits_for(problem: Problem, fits: Fits, comparison: xr.Dataset | None) -> dict[str, Fit]:

@@ -183,7 +183,7 @@ def test_candidates_stay_among_the_rows_of_a_table():
     coded = np.column_stack([a, np.clip(a + 0.1 * rng.standard_normal(80), -1, 1)])
     fitted = fit(space, coded, coded[:, 0] - coded[:, 1], Quadratic(), output="y")
     problem = Problem("high", (Objective("y", -1),), free=space.names)
-    inside = solve(problem, space, {"y": fitted}, cloud=True).candidates[0].inputs
+    inside = solve(problem, space, {"y": fitted}, among=True).candidates[0].inputs
     corner = solve(problem, space, {"y": fitted}).candidates[0].inputs
     assert corner["a"] - corner["b"] == pytest.approx(2.0, abs=0.01)
     assert inside["a"] - inside["b"] < 0.8
