@@ -7,22 +7,17 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from surrogate.differences.folder import ResultsFolder
-from surrogate.differences.part import Part
-
-SIDES = {"a": "A", "b": "B"}
+from surrogate.differences.part import SIDES, Part, differing, side_by_side
 
 
 def screening_part(a: ResultsFolder, b: ResultsFolder) -> Part:
     """Parameters that are kept or frozen."""
     of_a, of_b = (_decisions(one.figures) for one in (a, b))
-    rows: list[dict[str, Any]] = [
-        {"parameter": name, "a": of_a.get(name), "b": of_b.get(name)}
-        for name in dict.fromkeys((*of_a, *of_b))
-    ]
+    rows = [{"parameter": name, **both} for name, both in side_by_side(of_a, of_b)]
     title = "Screening"
     if not rows:
         return Part("screening", title)
-    changed = [row for row in rows if row["a"] != row["b"]]
+    changed = differing(rows)
     said = (
         f"The decision on {', '.join(row['parameter'] for row in changed)} has changed."
         if changed
@@ -39,13 +34,10 @@ def _decisions(figures: Mapping[str, Any]) -> dict[str, str]:
 def goals_part(a: ResultsFolder, b: ResultsFolder) -> Part:
     """Inputs, predictions and probability of the best candidate of each goal."""
     of_a, of_b = (dict(_candidates(one.figures)) for one in (a, b))
-    rows: list[dict[str, Any]] = [
-        {"goal": key[0], "what": key[1], "a": of_a.get(key), "b": of_b.get(key)}
-        for key in dict.fromkeys((*of_a, *of_b))
-    ]
+    rows = [{"goal": goal, "what": what, **both} for (goal, what), both in side_by_side(of_a, of_b)]
     if not rows:
         return Part("solve", "Goals")
-    changed = [row for row in rows if row["a"] != row["b"]]
+    changed = differing(rows)
     names = dict.fromkeys(row["goal"] for row in changed)
     said = f"Answers differ: {', '.join(names)}." if names else "The answers are the same."
     columns = {"goal": "goal", "what": "best candidate", **SIDES}
@@ -65,13 +57,10 @@ def _candidates(figures: Mapping[str, Any]) -> Iterator[tuple[tuple[str, str], A
 def versions_part(a: ResultsFolder, b: ResultsFolder) -> Part:
     """Solver, its version and options, packages and seeds, as the runs datasets tell them."""
     of_a, of_b = (dict(_versions(one)) for one in (a, b))
-    names = dict.fromkeys((*of_a, *of_b))
-    rows: list[dict[str, Any]] = [
-        {"what": name, "a": of_a.get(name), "b": of_b.get(name)} for name in names
-    ]
+    rows = [{"what": name, **both} for name, both in side_by_side(of_a, of_b)]
     if not rows:
         return Part("versions", "Solver and packages")
-    changed = [row for row in rows if row["a"] != row["b"]]
+    changed = differing(rows)
     said = (
         f"Different: {', '.join(row['what'] for row in changed)}."
         if changed

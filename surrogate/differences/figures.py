@@ -7,9 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 from surrogate.differences.folder import ResultsFolder
-from surrogate.differences.part import Ends, Part, overlap
+from surrogate.differences.part import SIDES, Ends, Part, Row, overlap, side_by_side
 
-Row = dict[str, Any]
 Key = tuple[str, ...]
 LEFT_OUT = ("_low", "_high", "_sampling", "_surrogate")
 
@@ -19,14 +18,15 @@ def surrogates_part(a: ResultsFolder, b: ResultsFolder) -> Part:
     of_a, of_b = dict(_accuracies(a.figures)), dict(_accuracies(b.figures))
     rows = [
         {
-            "surrogate": key[0],
-            "output": key[1],
-            "q2_a": of_a.get(key, {}).get("q2"),
-            "q2_b": of_b.get(key, {}).get("q2"),
-            "rmse_a": of_a.get(key, {}).get("rmse"),
-            "rmse_b": of_b.get(key, {}).get("rmse"),
+            "surrogate": surrogate,
+            "output": output,
+            **{
+                f"{score}_{side}": (accuracy or {}).get(score)
+                for score in ("q2", "rmse")
+                for side, accuracy in both.items()
+            },
         }
-        for key in _both(of_a, of_b)
+        for (surrogate, output), both in side_by_side(of_a, of_b)
     ]
     columns = {
         "surrogate": "surrogate",
@@ -118,9 +118,8 @@ def _intervals(
     """Values with intervals side by side; the terminal shows those that do not overlap."""
     of_a, of_b = dict(found(a.figures)), dict(found(b.figures))
     rows = [
-        dict(zip(names, one, strict=True))
-        | {"a": of_a.get(one), "b": of_b.get(one), "overlap": overlap(of_a.get(one), of_b.get(one))}
-        for one in _both(of_a, of_b)
+        {**dict(zip(names, key, strict=True)), **both, "overlap": overlap(both["a"], both["b"])}
+        for key, both in side_by_side(of_a, of_b)
     ]
     if not rows:
         return Part(key, title)
@@ -130,9 +129,5 @@ def _intervals(
     said = [f"{len(apart)} of {judged} pairs of intervals do not overlap."]
     if alone:
         said.append(f"{len(alone)} are on one side only.")
-    columns = {**{name: name for name in names}, "a": "A", "b": "B", "overlap": "overlap"}
+    columns = {**{name: name for name in names}, **SIDES, "overlap": "overlap"}
     return Part(key, title, tuple(said), columns, rows, apart)
-
-
-def _both(a: Mapping[Key, Any], b: Mapping[Key, Any]) -> list[Key]:
-    return list(dict.fromkeys((*a, *b)))

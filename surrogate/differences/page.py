@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from surrogate.differences.folder import ResultsFolder
 from surrogate.differences.part import Part
@@ -43,12 +44,7 @@ def _section(part: Part) -> Section:
     return Section(anchor(part.key), part.title, tuple(blocks))
 
 
-def _table(part: Part, caption: str, rows: Sequence[object]) -> Table:
-    heads = tuple(
-        Head(digits.squared(words), numeric=False) for words in (part.columns or {}).values()
-    )
-    cells = tuple(
-        tuple(Cell(words) for words in row)
-        for row in part.table(rows)  # type: ignore[arg-type]
-    )
+def _table(part: Part, caption: str, rows: Sequence[Mapping[str, Any]]) -> Table:
+    heads = tuple(Head(digits.squared(words), numeric=False) for words in part.columns.values())
+    cells = tuple(tuple(map(Cell, row)) for row in part.table(rows))
     return Table(caption, heads, cells, wide=True)

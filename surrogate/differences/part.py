@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
 
 #: A value with the ends of its interval.
 Ends = tuple[float, float, float]
+#: Headings of the columns of both sides.
+SIDES = {"a": "A", "b": "B"}
+
+Key = TypeVar("Key")
+Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -24,7 +29,7 @@ class Part:
     key: str
     title: str
     sentences: tuple[str, ...] = ()
-    columns: Mapping[str, str] | None = None
+    columns: Mapping[str, str] = field(default_factory=dict)
     rows: Sequence[Mapping[str, Any]] = ()
     shown: Sequence[Mapping[str, Any]] | None = None
 
@@ -35,7 +40,18 @@ class Part:
 
     def table(self, rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
         """Rows as words, in the order of the columns."""
-        return [[words(row.get(key)) for key in self.columns or ()] for row in rows]
+        return [[words(row.get(key)) for key in self.columns] for row in rows]
+
+
+def side_by_side(a: Mapping[Key, Any], b: Mapping[Key, Any]) -> Iterator[tuple[Key, Row]]:
+    """Each key of A, then those of B alone, with its value on both sides; None where it is not."""
+    for key in dict.fromkeys((*a, *b)):
+        yield key, {"a": a.get(key), "b": b.get(key)}
+
+
+def differing(rows: Sequence[Row]) -> list[Row]:
+    """Rows whose two values differ."""
+    return [row for row in rows if row["a"] != row["b"]]
 
 
 def words(value: Any) -> str:

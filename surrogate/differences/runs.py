@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.differences.folder import ResultsFolder
-from surrogate.differences.part import Part
+from surrogate.differences.part import SIDES, Part
 from surrogate.runs.dataset import counts, output_names
 
 #: Significant digits in which inputs must agree to be the same.
@@ -41,7 +41,7 @@ def counts_part(a: ResultsFolder, b: ResultsFolder) -> Part:
     said = f"{shared} points, with all inputs equal, are on both sides."
     if shared == len(keys_a) == len(keys_b):
         said = f"The same {shared} points are on both sides."
-    return Part("runs", title, (said,), {"what": "", "a": "A", "b": "B"}, rows)
+    return Part("runs", title, (said,), {"what": "", **SIDES}, rows)
 
 
 def answers_part(a: ResultsFolder, b: ResultsFolder) -> Part:

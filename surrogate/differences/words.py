@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from surrogate.differences.folder import ResultsFolder
-from surrogate.differences.part import Part
+from surrogate.differences.part import SIDES, Part, side_by_side
 from surrogate.study.file import read
 
-COLUMNS = {"key": "key", "change": "change", "a": "A", "b": "B"}
+COLUMNS = {"key": "key", "change": "change", **SIDES}
 #: Longest value that is printed; the JSON data has it whole.
 LONGEST = 60
 
@@ -21,8 +21,8 @@ def study_part(a: ResultsFolder, b: ResultsFolder) -> Part:
         return Part("study_file", title, ("One of the study files cannot be read.",))
     of_a, of_b = (dict(_flat(_meant(one.words))) for one in (a, b))
     rows = [
-        {"key": key, "change": _change(key, of_a, of_b), "a": of_a.get(key), "b": of_b.get(key)}
-        for key in dict.fromkeys((*of_a, *of_b))
+        {"key": key, "change": _change(key, of_a, of_b), **both}
+        for key, both in side_by_side(of_a, of_b)
         if key not in of_a or key not in of_b or of_a[key] != of_b[key]
     ]
     if not rows:
