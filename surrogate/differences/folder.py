@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import xarray as xr
 
 from surrogate.errors import ResultsError, StudyError
 from surrogate.runs.dataset import load
 from surrogate.study.source import read_file
+
+Content = TypeVar("Content")
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +30,7 @@ class ResultsFolder:
 
     name: str
     folder: Path
-    words: Any
+    words: Mapping[str, Any] | None
     runs: xr.Dataset | None
     figures: Mapping[str, Any]
     troubles: tuple[str, ...]
@@ -44,27 +46,16 @@ def read(name: str, folder: Path) -> ResultsFolder:
     if not folder.is_dir():
         raise ResultsError(f"{folder} is no folder; give results of a study, such as results/beam")
     troubles: list[str] = []
-    words = runs = None
-    figures: Mapping[str, Any] = {}
-    try:
-        words = read_file(folder / "study.yaml").data
-        if not isinstance(words, Mapping):
-            words = None
-            troubles.append(f"{name}: study.yaml holds no study")
-    except StudyError as error:
-        troubles.append(f"{name}: study.yaml cannot be read: {error.mistakes[0]}")
-    try:
-        runs = load(folder / "runs.nc")
-        if "run" not in runs.dims or not {"status", "design", "parameter"} <= set(runs.variables):
-            runs = None
-            troubles.append(f"{name}: runs.nc is no dataset of runs")
-    except ResultsError as error:
-        troubles.append(f"{name}: {error}")
-    try:
-        figures = _json(folder / "summary.json")
-    except (OSError, ValueError) as error:
-        why = "does not exist" if isinstance(error, FileNotFoundError) else f"is damaged: {error}"
-        troubles.append(f"{name}: summary.json {why}; `surrogate report` makes it again")
+
+    def known(reader: Callable[[Path], Content], file: str) -> Content | None:
+        try:
+            return reader(folder / file)
+        except ResultsError as error:
+            troubles.append(f"{name}: {error}")
+            return None
+
+    words, runs = known(_words, "study.yaml"), known(_runs, "runs.nc")
+    figures = known(_figures, "summary.json") or {}
     if words is None and runs is None and not figures:
         raise ResultsError(
             f"{folder} holds no results that can be read; give the folder of one study, such as "
@@ -73,8 +64,31 @@ def read(name: str, folder: Path) -> ResultsFolder:
     return ResultsFolder(name, folder, words, runs, figures, tuple(troubles))
 
 
-def _json(path: Path) -> Mapping[str, Any]:
-    found = json.loads(path.read_text(encoding="utf-8"))
+def _words(path: Path) -> Mapping[str, Any]:
+    try:
+        found = read_file(path).data
+    except StudyError as error:
+        raise ResultsError(f"{path.name} cannot be read: {error.mistakes[0]}") from error
+    if not isinstance(found, Mapping):
+        raise ResultsError(f"{path.name} holds no study")
+    return found
+
+
+def _runs(path: Path) -> xr.Dataset:
+    found = load(path)
+    if "run" not in found.dims or not {"status", "design", "parameter"} <= set(found.variables):
+        raise ResultsError(f"{path.name} is no dataset of runs")
+    return found
+
+
+def _figures(path: Path) -> Mapping[str, Any]:
+    cure = "`surrogate report` makes it again"
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise ResultsError(f"{path.name} does not exist; {cure}") from error
+    except (OSError, ValueError) as error:
+        raise ResultsError(f"{path.name} is damaged: {error}; {cure}") from error
     if not isinstance(found, dict):
-        raise ValueError("it holds no figures")
+        raise ResultsError(f"{path.name} is damaged: it holds no figures; {cure}")
     return found
