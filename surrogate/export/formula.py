@@ -20,7 +20,9 @@ from numpy.typing import NDArray
 
 from surrogate.export.factors import Factor, Factors
 from surrogate.regressors import kriging
+from surrogate.regressors.columns import Column
 from surrogate.regressors.matern import ROOT5, correlation
+from surrogate.regressors.polynomial import design_matrix
 
 Array = NDArray[np.float64]
 
@@ -186,7 +188,7 @@ def _process(
     powers = [one["powers"] for one in first["trend"]]
     matrix = correlation(points, points, lengths)
     np.fill_diagonal(matrix, 1.0 + first["nugget"])
-    known = kriging.factored(matrix, _design(powers, points))
+    known = kriging.factored(matrix, design_matrix(powers, points))
     return Process(
         tuple(members),
         tuple(factors.column(column) for column in columns),
@@ -206,26 +208,10 @@ def _spread(factors: Factors, models: Sequence[Mapping[str, Any]]) -> Spread:
     columns, deviation = models[0]["columns"], models[0]["deviation"]
     points = _numbers(deviation["points"])
     values = np.ones((len(points), len(columns)))
-    for j, column in enumerate(columns):
-        values[:, j] = _column(column, points[:, column["input"]])
-    upper = np.linalg.qr(_design(deviation["terms"], values), mode="r")
+    for j, one in enumerate(columns):
+        column = Column(one["input"], "", one.get("level", 0), one.get("levels", 0))
+        values[:, j] = column.values(points[:, column.parameter])
+    upper = np.linalg.qr(design_matrix(deviation["terms"], values), mode="r")
     deviations = [model["deviation"]["residual_sd"] for model in models]
     terms = tuple(factors.powers(columns, term) for term in deviation["terms"])
     return Spread(terms, np.linalg.inv(upper), _numbers(deviations))
-
-
-def _column(column: Mapping[str, Any], coded: Array) -> Array:
-    levels = column.get("levels", 0)
-    if not levels:
-        return coded
-    index = np.clip(np.rint((coded + 1.0) / 2.0 * (levels - 1)), 0, levels - 1)
-    return np.asarray((index == column["level"]) * 1.0 - (index == 0))
-
-
-def _design(terms: Sequence[Sequence[Sequence[int]]], values: Array) -> Array:
-    """Values (n, p) of terms at column values (n, c)."""
-    matrix = np.ones((len(values), len(terms)))
-    for t, term in enumerate(terms):
-        for j, power in term:
-            matrix[:, t] *= values[:, j] ** power
-    return matrix

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from xml.etree import ElementTree as xml
 
+import numpy as np
+
 from surrogate.export.description import Description, Input
 from surrogate.space import units
 
@@ -28,7 +30,7 @@ def model_description(description: Description, guid: str) -> str:
         fmiVersion="2.0",
         modelName=name,
         guid=guid,
-        description=" ".join(one.lines()[0].split()),
+        description=one.lines()[0],
         generationTool="surrogate-studies",
         variableNamingConvention="structured" if one.shape else "flat",
     )
@@ -71,10 +73,7 @@ def _outputs(one: Description, name: str, what: str) -> Iterator[tuple[str, str]
     if not one.shape:
         yield name, about
         return
-    places: list[tuple[int, ...]] = [()]
-    for size in one.shape:
-        places = [(*place, k) for place in places for k in range(size)]
-    for place in places:
+    for place in np.ndindex(*one.shape):
         at = zip(one.coordinates, place, strict=True)
         where = ", ".join(f"{along.name} = {along.values[k]}" for along, k in at)
         yield f"{name}[{','.join(str(k + 1) for k in place)}]", f"{about}, at {where}"
