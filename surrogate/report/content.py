@@ -20,6 +20,8 @@ from surrogate.space.space import Space
 
 #: Below this Q2 a surrogate's predictions are called poor.
 POOR_Q2 = 0.9
+#: Share of held-out runs inside their 95 % intervals below which the intervals are too narrow.
+POOR_COVERAGE = 0.8
 #: A page draws and lists so many runs at most.
 MOST_RUNS = 1000
 

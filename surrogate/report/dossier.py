@@ -16,13 +16,11 @@ import numpy as np
 import xarray as xr
 
 from surrogate.report import digits
-from surrogate.report.content import POOR_Q2, Content
+from surrogate.report.content import POOR_COVERAGE, POOR_Q2, Content
 from surrogate.report.evidence import Chapter, Evidence, Figures
 from surrogate.report.page import Page, assembled
 from surrogate.space.space import Space
 
-#: Intervals that hold less than this share of the values say too much.
-HOLD = 0.8
 LEVELS = ("low", "medium", "high")
 
 
@@ -63,14 +61,17 @@ class Dossier:
 
     def page(self) -> Page:
         """The dossier as one page that opens without a network."""
-        content = Content(self.name, self.space, self.runs, self.about)
         title = f"{self.name}: credibility"
-        return assembled(content, [one.section() for one in self.chapters], title)
+        return assembled(self._content, [one.section() for one in self.chapters], title)
 
     def markdown(self) -> str:
         """The dossier as Markdown."""
         head = f"# {self.name}: credibility\n\nHeadings of ASME V&V 40 (2018)."
         return "\n\n".join([head, *(one.markdown() for one in self.chapters)]) + "\n"
+
+    @property
+    def _content(self) -> Content:
+        return Content(self.name, self.space, self.runs, self.about)
 
     @property
     def _figures(self) -> Figures:
@@ -79,6 +80,10 @@ class Dossier:
     @property
     def _run(self) -> str:
         return f"surrogate run {self.file}"
+
+    @property
+    def _validate(self) -> str:
+        return f"surrogate validate {self.file}"
 
     def _told(self, word: str) -> str:
         return str(self.credibility.get(word) or "").strip()
@@ -137,10 +142,9 @@ class Dossier:
         influence, consequence = self._told("influence"), self._told("consequence")
         said = [f"Influence of the model: {influence}"] * bool(influence)
         said += [f"Consequence of a wrong decision: {consequence}"] * bool(consequence)
-        found = [_level(influence), _level(consequence)]
-        if None not in found:
-            product = (found[0] or 0) * (found[1] or 0)
-            said.append(f"Model risk: {found[0]} x {found[1]} = {product} of 9 (low 1, high 3).")
+        a, b = _level(influence), _level(consequence)
+        if a is not None and b is not None:
+            said.append(f"Model risk: {a} x {b} = {a * b} of 9 (low 1, high 3).")
         return Chapter(
             "risk",
             "Model risk",
@@ -199,12 +203,12 @@ class Dossier:
         if seeds:
             shown = ", ".join(f"{name} {seed}" for name, seed in seeds.items())
             yield Evidence("seeds of the designs", shown, again, "runs.nc: seeds")
-        same = str(self.runs.attrs.get("deterministic", "")).lower() == "true"
+        same = self._content.deterministic
         words = "same inputs give the same answer" if same else "answers scatter"
         yield Evidence("repeatability of the solver", words, again, "runs.nc: deterministic")
         for output, scatter in (self.summary.get("replicates") or {}).items():
             place = f"summary.json: replicates.{output}.std"
-            std = digits.figure(scatter["std"])
+            std = digits.with_unit(digits.figure(scatter["std"]), self._unit(output, "std"))
             yield Evidence(f"{output}: scatter of replicates", std, again, place)
 
     def _held_out(self) -> Iterator[Evidence]:
@@ -221,7 +225,7 @@ class Dossier:
     def _unit(self, output: str, key: str) -> str:
         """Unit of a figure of an output; none of a share or a count."""
         bare = key.startswith(("q2", "r2", "n", "slope", "mean_error_percent"))
-        return "" if bare else str(self.runs[output].attrs.get("units", "")).replace("1", "")
+        return "" if bare else self._content.unit(output)
 
     def _best(self) -> Iterator[tuple[str, str, int, int]]:
         """Best surrogate of each output, with their numbers in the tables."""
@@ -260,7 +264,6 @@ class Dossier:
         )
 
     def _agreement(self, model: str, output: str, i: int, k: int) -> Iterator[Evidence]:
-        command = f"surrogate validate {self.file}"
         for key, words in _AGREEMENT.items():
             value, place = self._figures.at("validation", key, i, k)
             low, _ = self._figures.at("validation", f"{key}_low", i, k)
@@ -271,7 +274,7 @@ class Dossier:
             if low is not None and high is not None:
                 shown += f" [{digits.figure(low)}, {digits.figure(high)}]"
             shown = digits.with_unit(shown, self._unit(output, key))
-            yield Evidence(f"{output}, {model}: {words}", shown, command, place)
+            yield Evidence(f"{output}, {model}: {words}", shown, self._validate, place)
 
     def _uncertainty(self) -> Chapter:
         evidence, findings = [], []
@@ -286,8 +289,7 @@ class Dossier:
                 value, place = self._figures.at("validation", "coverage_95", i, k)
                 if value is not None:
                     claim = f"{output}, {model}: share of cases inside their 95 % intervals"
-                    command = f"surrogate validate {self.file}"
-                    evidence.append(Evidence(claim, digits.percent(value), command, place))
+                    evidence.append(Evidence(claim, digits.percent(value), self._validate, place))
                     findings += [_holds_little(output, model, "cases", value)]
         evidence += self._indices()
         return Chapter(
@@ -318,9 +320,9 @@ class Dossier:
         evidence, findings = [], []
         if inside:
             told = f"{sum(inside)} of {len(inside)}"
-            command = f"surrogate validate {self.file}"
             place = "summary.json: validation.inside.values"
-            evidence.append(Evidence("validation cases inside the ranges", told, command, place))
+            claim = "validation cases inside the ranges"
+            evidence.append(Evidence(claim, told, self._validate, place))
             if not all(inside):
                 findings.append(
                     f"{len(inside) - sum(inside)} of {len(inside)} cases lie outside the ranges "
@@ -382,7 +384,7 @@ def _level(words: str) -> int | None:
 
 
 def _holds_little(output: str, model: str, what: str, share: float) -> str:
-    if share >= HOLD:
+    if share >= POOR_COVERAGE:
         return ""
     return (
         f"{output}, {model}: the 95 % intervals hold {digits.percent(share)} of the {what}; they "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from surrogate.report import digits
@@ -94,7 +94,6 @@ class Figures:
     """The figures of summary.json, each with its place."""
 
     summary: Mapping[str, Any]
-    file: str = field(default="summary.json")
 
     def names(self, part: str, dimension: str) -> list[str]:
         """Names along a dimension of a part; none where the part is not there."""
@@ -103,7 +102,7 @@ class Figures:
 
     def at(self, part: str, key: str, *index: int) -> tuple[float | None, str]:
         """A number of a table, and where it lies; None for one that is not there."""
-        place = f"{self.file}: {part}.{key}.values" + "".join(f"[{k}]" for k in index)
+        place = f"summary.json: {part}.{key}.values" + "".join(f"[{k}]" for k in index)
         found = (self.summary.get(part) or {}).get(key, {}).get("values")
         for k in index:
             found = None if found is None else found[k]

@@ -6,13 +6,10 @@ import numpy as np
 import xarray as xr
 
 from surrogate.report import digits
-from surrogate.report.content import POOR_Q2, Content
+from surrogate.report.content import POOR_COVERAGE, POOR_Q2, Content
 from surrogate.report.parity import learnt_only_from
 from surrogate.report.sections.designs import roman
 from surrogate.report.sections.indices import refusal
-
-#: Share of held-out runs inside their 95 % intervals below which the intervals are too narrow.
-POOR_COVERAGE = 0.8
 
 
 def warnings(content: Content) -> list[str]:

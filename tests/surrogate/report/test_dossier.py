@@ -9,6 +9,8 @@ from surrogate import Study
 from surrogate.cli.dossier import dossier
 from surrogate.errors import StudyError
 from surrogate.report import digits
+from surrogate.report.dossier import Dossier
+from surrogate.runs.dataset import load
 
 STUDY = {
     "study": "evident",
@@ -103,6 +105,19 @@ def test_every_figure_has_a_command_and_a_place(whole):
     for chapter in whole[0].data["chapters"]:
         for one in chapter["evidence"]:
             assert one["command"] and one["place"] and one["result"], one
+
+
+def test_units_are_printed_whole(place):
+    """A unit with a 1 in it, such as that of a rate, keeps it."""
+    runs = load(place / "evident" / "runs.nc")
+    runs["flow"].attrs["units"] = "1/s"
+    summary = json.loads((place / "evident" / "summary.json").read_text())
+    space = Study.from_mapping(STUDY).space
+    made = Dossier("evident", "", "evident.yaml", {}, space, runs, summary)
+    errors = [one for part in made.chapters for one in part.evidence if "RMSE" in one.claim]
+    assert errors
+    for one in errors:
+        assert one.result.endswith("1/s"), one
 
 
 def test_what_the_study_tells_is_shown_and_escaped(whole):
