@@ -20,6 +20,8 @@ from numpy.typing import ArrayLike
 from surrogate.report.digits import fixed
 
 WIDTH = 360.0
+#: Values on a scale with the words that stand there.
+Ticks = Sequence[tuple[float, str]]
 LETTER, NARROW, WIDE = 6.8, 3.9, 10.0  # widths of letters in the drawings' 11-unit type
 
 
@@ -115,6 +117,10 @@ class Scale:
             decimals += 1
         return [fixed(tick, decimals) for tick in ticks]
 
+    def labelled(self, count: int = 5) -> Ticks:
+        """The ticks with what is printed there."""
+        return list(zip(self.ticks(count).tolist(), self.tick_words(count), strict=True))
+
 
 def _round_step(step: float) -> float:
     """The nearest of 1, 2, 2.5, 5 times a power of ten that is not below `step`."""
@@ -160,19 +166,27 @@ class Panel:
         """The panel of a drawing with these margins."""
         return cls(Scale(*x_span, left, width - right), Scale(*y_span, height - bottom, top))
 
-    def frame(self, x_label: str, y_label: str, *, x_count: int = 5, y_count: int = 5) -> Markup:
-        """Light grid, tick words and labels; the y label stands above its axis."""
+    def frame(
+        self,
+        x_label: str,
+        y_label: str,
+        *,
+        x_count: int = 5,
+        y_count: int = 5,
+        x_ticks: Ticks | None = None,
+        y_ticks: Ticks | None = None,
+    ) -> Markup:
+        """Light grid, tick words and labels; the y label stands above its axis.
+
+        Ticks that are not given are about so many round values.
+        """
         left, right, floor, top = self.x.start, self.x.end, self.y.start, self.y.end
-        marks = [line(left, self.y(v), right, self.y(v), "grid") for v in self.y.ticks(y_count)]
-        marks += [line(self.x(v), floor, self.x(v), top, "grid") for v in self.x.ticks(x_count)]
-        marks += [
-            text(left - 5, self.y(v) + 4, words, "tick", "end")
-            for v, words in zip(self.y.ticks(y_count), self.y.tick_words(y_count), strict=True)
-        ]
-        marks += [
-            text(self.x(v), floor + 14, words, "tick", "middle")
-            for v, words in zip(self.x.ticks(x_count), self.x.tick_words(x_count), strict=True)
-        ]
+        across = self.x.labelled(x_count) if x_ticks is None else x_ticks
+        up = self.y.labelled(y_count) if y_ticks is None else y_ticks
+        marks = [line(left, self.y(v), right, self.y(v), "grid") for v, _ in up]
+        marks += [line(self.x(v), floor, self.x(v), top, "grid") for v, _ in across]
+        marks += [text(left - 5, self.y(v) + 4, words, "tick", "end") for v, words in up]
+        marks += [text(self.x(v), floor + 14, words, "tick", "middle") for v, words in across]
         return group(
             *marks,
             self.baseline(),

@@ -8,13 +8,13 @@ import numpy as np
 
 from surrogate.report import digits
 from surrogate.report.drawing import WIDTH, Scale, group, label_room, line, mark, shortened, text
-from surrogate.report.figures.rows import Rows
+from surrogate.report.figures.rows import Rows, band_within
 from surrogate.report.plot import Plot, column, plot
 from surrogate.solving.solution import Candidate, chance
 from surrogate.space.space import Space
 
-#: Height of a row, and of what is outside the rows.
-ROW, HIGHEST_ROW, OUTSIDE = 30.0, 85.0, 54.0
+#: Least and largest height of a row.
+ROW, HIGHEST_ROW = 30.0, 85.0
 #: Room of the best candidate's value at the right.
 VALUE = 84.0
 
@@ -24,7 +24,7 @@ def candidates_plot(
 ) -> Plot:
     """A row a free input from its smallest to its largest value: the best candidate is filled."""
     names = list(candidates[0].inputs)
-    row = float(np.clip((height - OUTSIDE) / len(names), ROW, HIGHEST_ROW))
+    row = band_within(height, len(names), ROW, HIGHEST_ROW)
     rows = Rows(Scale(-1.0, 1.0, label_room(names, 104.0) + 4, WIDTH - VALUE), row, len(names))
     marks = []
     for place, name in enumerate(names):
@@ -40,8 +40,7 @@ def candidates_plot(
         marks.append(text(rows.x.end + 10, y + 4, best, "strong"))
     for end, words, at in (("start", "smallest", -1.0), ("end", "largest", 1.0)):
         marks.append(text(rows.x(at), rows.floor + 14, words, "tick", end))
-    middle = (rows.x.start + rows.x.end) / 2
-    marks.append(text(middle, rows.floor + 31, "value of the input", "label", "middle"))
+    marks.append(rows.label("value of the input"))
     told = [f"{name} {_printed(space, name, candidates[0])}" for name in names]
     return plot(
         WIDTH,

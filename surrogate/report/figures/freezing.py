@@ -8,12 +8,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from surrogate.report import digits
-from surrogate.report.drawing import WIDTH, Scale, group, label_room, line, mark, text
-from surrogate.report.figures.rows import TOP, Rows, whisker
+from surrogate.report.drawing import WIDTH, Scale, group, label_room, mark, text
+from surrogate.report.figures.rows import Rows, band_within, whisker
+from surrogate.report.figures.sobol import SHARE
 from surrogate.report.plot import Plot, column, plot
 
-#: Height of a row, and of the scale and the room above the rows.
-ROW, HIGHEST_ROW, OUTSIDE = 25.0, 80.0, 54.0
+#: Least and largest height of a row.
+ROW, HIGHEST_ROW = 25.0, 80.0
 #: Powers of ten of the scale's lower end: never more than the first, at least the second.
 LOWEST, HIGHEST_START = -4, -2
 #: Room of the decision at the right.
@@ -39,13 +40,14 @@ def freezing_plot(
     order = np.argsort(-np.nan_to_num(high, nan=-1.0), kind="stable")
     start = _start(value, freeze_below)
     room = label_room(names, 104.0)
-    row = float(np.clip((height - OUTSIDE) / len(names), ROW, HIGHEST_ROW))
+    row = band_within(height, len(names), ROW, HIGHEST_ROW)
     rows = Rows(Scale(start, 0.0, room, WIDTH - DECISION), row, len(names))
 
     def placed(number: float) -> float:
         return math.log10(min(max(number, 10.0**start), 1.0)) if number > 0.0 else start
 
-    marks = [_frame(rows), rows.threshold(placed(freeze_below))]
+    powers = [(float(p), digits.number(10.0**p)) for p in range(start, 1)]
+    marks = [rows.scale(SHARE, powers), rows.threshold(placed(freeze_below))]
     for place, k in enumerate(order):
         kept = names[k] not in frozen
         y = rows.middle(place)
@@ -86,14 +88,3 @@ def _start(value: np.ndarray, freeze_below: float) -> int:
     """Power of ten at which the scale begins: below the limit, and below most of the indices."""
     positive = [float(v) for v in (*value, freeze_below / 2.0) if v > 0.0]
     return int(np.clip(math.floor(math.log10(min(positive))), LOWEST, HIGHEST_START))
-
-
-def _frame(rows: Rows) -> object:
-    powers = range(int(rows.x.low), 1)
-    marks = [line(rows.x(p), TOP, rows.x(p), rows.floor, "grid") for p in powers]
-    marks += [
-        text(rows.x(p), rows.floor + 14, digits.number(10.0**p), "tick", "middle") for p in powers
-    ]
-    middle = (rows.x.start + rows.x.end) / 2
-    marks.append(text(middle, rows.floor + 31, "share of the variance (–)", "label", "middle"))
-    return group(*marks)

@@ -6,10 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from markupsafe import Markup
 
 from surrogate.report import digits
-from surrogate.report.drawing import WIDTH, Panel, Scale, group, line, mark, path, span, text
+from surrogate.report.drawing import WIDTH, Panel, Scale, Ticks, line, mark, path, span
 from surrogate.report.plot import Plot, column, plot
 
 HEIGHT = 300.0
@@ -51,7 +50,9 @@ def learning_plot(
         for one in (seen, ahead)
         if len(one.runs)
     ]
-    marks.append(_frame(panel, digits.labelled("RMSE", unit)))
+    ticks = _ticks(panel.x), _ticks(panel.y)
+    label = digits.labelled("RMSE", unit)
+    marks.append(panel.frame("training runs (–)", label, x_ticks=ticks[0], y_ticks=ticks[1]))
     for value in level:
         y = panel.y(math.log10(value))
         marks.append(line(panel.x.start, y, panel.x.end, y, "threshold"))
@@ -88,25 +89,13 @@ def _log(values: np.ndarray) -> np.ndarray:
     return np.log10(np.where(np.asarray(values) > 0.0, values, np.nan))
 
 
-def _frame(panel: Panel, label: str) -> Markup:
-    """Grid, tick words and labels of logarithmic axes."""
-    left, right, floor, top = panel.x.start, panel.x.end, panel.y.start, panel.y.end
-    marks = []
-    for value in _ticks(panel.x):
-        x = panel.x(math.log10(value))
-        marks.append(line(x, floor, x, top, "grid"))
-        marks.append(text(x, floor + 14, digits.number(value), "tick", "middle"))
-    for value in _ticks(panel.y):
-        y = panel.y(math.log10(value))
-        marks.append(line(left, y, right, y, "grid"))
-        marks.append(text(left - 5, y + 4, digits.number(value), "tick", "end"))
-    middle = (left + right) / 2
-    marks.append(text(middle, floor + 31, "training runs (–)", "label", "middle"))
-    return group(*marks, panel.baseline(), text(2, top - 11, label, "label"), class_="frame")
+def _ticks(scale: Scale) -> Ticks:
+    """Round values on a scale of logarithms, as printed."""
+    return [(math.log10(value), digits.number(value)) for value in _round_values(scale)]
 
 
-def _ticks(scale: Scale) -> list[float]:
-    """Round values on a scale of logarithms: as many of 1, 2, 5 times powers of ten as fit."""
+def _round_values(scale: Scale) -> list[float]:
+    """As many of 1, 2, 5 times powers of ten as fit on a scale of logarithms."""
     powers = range(math.floor(scale.low), math.ceil(scale.high) + 1)
     for digits_of_power in ((1, 2, 3, 4, 5, 6, 7, 8, 9), (1, 2, 5), (1, 3), (1,)):
         found = [

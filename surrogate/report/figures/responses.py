@@ -8,7 +8,7 @@ import numpy as np
 
 from surrogate.fitting.fit import Fit
 from surrogate.report import digits
-from surrogate.report.drawing import WIDTH, Panel, line, path, shortened, span, tag, text, width_of
+from surrogate.report.drawing import WIDTH, Panel, line, path, shortened, span, text, width_of
 from surrogate.report.figures.slices import centre
 from surrogate.report.parity import mean_over_points
 from surrogate.report.plot import Plot, column, plot
@@ -20,6 +20,8 @@ MOST = 4
 HEIGHT = 310.0
 #: Distance of two names at the right end of their curves.
 APART = 14.0
+#: Coded values of an input, in words.
+PLACES = ((-1.0, "smallest"), (0.0, "middle"), (1.0, "largest"))
 
 
 def response_plot(fit: Fit, space: Space, names: Sequence[str], unit: str, output: str) -> Plot:
@@ -47,7 +49,9 @@ def response_plot(fit: Fit, space: Space, names: Sequence[str], unit: str, outpu
     return plot(
         WIDTH,
         HEIGHT,
-        _frame(panel, digits.labelled(shortened(output, 170), unit)),
+        panel.frame(
+            "value of the input", digits.labelled(shortened(output, 170), unit), x_ticks=PLACES
+        ),
         *marks,
         title=f"Response of {output} to its leading inputs",
         says=f"{output} {'; '.join(told)}; the other inputs in the middle of their ranges.",
@@ -79,28 +83,3 @@ def _spread(at: list[float]) -> list[float]:
         moved[k] = max(at[k], last + APART)
         last = moved[k]
     return moved
-
-
-def _frame(panel: Panel, y_label: str) -> object:
-    """The panel's frame, its x axis in words."""
-    left, right, floor = panel.x.start, panel.x.end, panel.y.start
-    ticks = zip(panel.y.ticks(), panel.y.tick_words(), strict=True)
-    marks = [
-        part
-        for value, words in ticks
-        for part in (
-            line(left, panel.y(value), right, panel.y(value), "grid"),
-            text(left - 5, panel.y(value) + 4, words, "tick", "end"),
-        )
-    ]
-    for value, words in ((-1.0, "smallest"), (0.0, "middle"), (1.0, "largest")):
-        marks.append(line(panel.x(value), floor, panel.x(value), panel.y.end, "grid"))
-        marks.append(text(panel.x(value), floor + 14, words, "tick", "middle"))
-    return tag(
-        "g",
-        *marks,
-        panel.baseline(),
-        text((left + right) / 2, floor + 31, "value of the input", "label", "middle"),
-        text(2, panel.y.end - 11, y_label, "label"),
-        class_="frame",
-    )

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from markupsafe import Markup
 
 from surrogate.report.drawing import (
     WIDTH,
     Scale,
+    Ticks,
     group,
     label_room,
     line,
@@ -18,7 +20,8 @@ from surrogate.report.drawing import (
     text,
 )
 
-TOP = 14.0
+#: Room above the rows, and of the scale with its label below them.
+TOP, BELOW = 14.0, 40.0
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,7 @@ class Rows:
     @property
     def height(self) -> float:
         """Height of the drawing, scale and label included."""
-        return self.floor + 40.0
+        return self.floor + BELOW
 
     def top(self, place: int) -> float:
         """Upper end of a row."""
@@ -74,23 +77,31 @@ class Rows:
 
     def frame(self, label: str) -> Markup:
         """Grid, scale, label, and the line of zero where the scale has one."""
-        marks = [line(self.x(v), TOP, self.x(v), self.floor, "grid") for v in self.x.ticks()]
-        marks += [
-            text(self.x(v), self.floor + 14, words, "tick", "middle")
-            for v, words in zip(self.x.ticks(), self.x.tick_words(), strict=True)
-        ]
-        marks.append(
-            text((self.x.start + self.x.end) / 2, self.floor + 31, label, "label", "middle")
-        )
+        marks = [self.scale(label, self.x.labelled())]
         if self.x.low <= 0.0 <= self.x.high:
             marks.append(line(self.x(0.0), TOP - 4, self.x(0.0), self.floor, "axis"))
         return group(*marks)
+
+    def scale(self, label: str, ticks: Ticks) -> Markup:
+        """Grid and words at these ticks, and the label."""
+        marks = [line(self.x(v), TOP, self.x(v), self.floor, "grid") for v, _ in ticks]
+        marks += [text(self.x(v), self.floor + 14, words, "tick", "middle") for v, words in ticks]
+        return group(*marks, self.label(label))
+
+    def label(self, words: str) -> Markup:
+        """What the scale is of, below it."""
+        return text((self.x.start + self.x.end) / 2, self.floor + 31, words, "label", "middle")
 
     def threshold(self, value: float | None) -> Markup:
         """A dashed line through all rows; nothing when it lies off the scale."""
         if value is None or not self.x.low <= value <= self.x.high:
             return group()
         return line(self.x(value), TOP - 4, self.x(value), self.floor, "threshold")
+
+
+def band_within(height: float, count: int, least: float, most: float) -> float:
+    """Height of each of `count` rows that fill a drawing of this height, where limits allow it."""
+    return float(np.clip((height - TOP - BELOW) / count, least, most))
 
 
 def whisker(x: Scale, low: float, high: float, y: float, cap: float = 3.5) -> Markup:

@@ -10,13 +10,13 @@ from markupsafe import Markup
 
 from surrogate.report import digits
 from surrogate.report.drawing import WIDTH, Scale, group, line, mark, tag
-from surrogate.report.figures.rows import Rows, whisker
+from surrogate.report.figures.rows import Rows, band_within, whisker
 from surrogate.report.plot import Column, Plot, column, plot
 
 #: Height of one bar and of the room about a parameter's bars.
 BAR, ROOM = 14.0, 11.0
-#: Largest height of a bar, and height of the scale and the room above the bars.
-THICK, OUTSIDE = 30.0, 54.0
+#: Largest height of a bar.
+THICK = 30.0
 SHARE = "share of the variance (–)"
 
 
@@ -55,8 +55,9 @@ def index_bars(
     Bars are thicker where that brings few of them nearer to a height of the drawing.
     """
     order = np.argsort(-np.nan_to_num(series[-1].value, nan=-np.inf), kind="stable")
-    bar = float(np.clip((height - OUTSIDE) / len(names) / (len(series) + ROOM / BAR), BAR, THICK))
-    band = bar * (len(series) + ROOM / BAR)
+    bars_in_row = len(series) + ROOM / BAR
+    band = band_within(height, len(names), BAR * bars_in_row, THICK * bars_in_row)
+    bar = band / bars_in_row
     rows = Rows.of(names, [number for bars in series for number in bars.finite], band)
     marks = [rows.frame(label)]
     for place, k in enumerate(order):

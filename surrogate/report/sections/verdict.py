@@ -16,7 +16,7 @@ from surrogate.report.figures.candidates import candidates_plot
 from surrogate.report.figures.freezing import freezing_plot
 from surrogate.report.figures.parity import parity_plot
 from surrogate.report.figures.responses import response_plot
-from surrogate.report.figures.sobol import Bars, index_bars
+from surrogate.report.figures.sobol import SHARE, Bars, index_bars
 from surrogate.report.parity import parity
 from surrogate.report.sections.accuracy import TEST, held_out
 from surrogate.report.sections.indices import DECIMALS, STAMP, of_output, refusal
@@ -279,7 +279,7 @@ def _what_matters(content: Content, output: str) -> Figure | None:
     ]
     shares = {"first_order", *SHARES} >= set(shown)
     unit = unit_of(next(iter(shown)), table, content.unit(output))
-    label = "share of the variance (–)" if shares else digits.labelled(next(iter(shown)), unit)
+    label = SHARE if shares else digits.labelled(next(iter(shown)), unit)
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
     what = (
         "Sobol' indices. Filled: first order; outlined: total."
