@@ -197,6 +197,11 @@ def with_unit(text: str, units: str) -> str:
     return f"{text}{THIN}{unit(units)}" if units and units not in ("1", "dimensionless") else text
 
 
+def setting(value: float | str, units: str = "") -> str:
+    """The value of an input: a level by its name, a number to four digits with its unit."""
+    return value if isinstance(value, str) else with_unit(number(value, 4), units)
+
+
 def labelled(name: str, units: str) -> str:
     """An axis label or table head: `tension (N/mm)`, with (-) when dimensionless."""
     printed = unit(units) if units and units not in ("1", "dimensionless") else NOTHING

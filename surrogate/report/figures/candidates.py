@@ -70,7 +70,4 @@ def _coded(space: Space, name: str, values: Sequence[float | str]) -> np.ndarray
 
 
 def _printed(space: Space, name: str, candidate: Candidate) -> str:
-    value = candidate.inputs[name]
-    if isinstance(value, str):
-        return value
-    return digits.with_unit(digits.number(value, 4), space[name].unit)
+    return digits.setting(candidate.inputs[name], space[name].unit)

@@ -75,7 +75,10 @@ def goal(solution: Solution) -> str:
 def _setting(content: Content, problem: Problem) -> list[str]:
     found = []
     if problem.held:
-        held = [f"{name} {_value(content, name, value)}" for name, value in problem.held.items()]
+        held = [
+            f"{name} {digits.setting(value, content.unit(name))}"
+            for name, value in problem.held.items()
+        ]
         found.append(f"Held: {digits.listing(held)}.")
     if problem.uncertain:
         names = digits.listing(problem.uncertain)
@@ -103,14 +106,14 @@ def _table(content: Content, solution: Solution) -> Table:
         "given the error of the surrogate"
         + (" and the uncertain inputs." if solution.problem.uncertain else "."),
         tuple(heads),
-        tuple(_row(content, k, one, checked) for k, one in enumerate(rows)),
+        tuple(_row(k, one, checked) for k, one in enumerate(rows)),
         wide=True,
     )
 
 
-def _row(content: Content, k: int, one: Candidate, checked: bool) -> tuple[Cell, ...]:
+def _row(k: int, one: Candidate, checked: bool) -> tuple[Cell, ...]:
     cells = [Cell(str(k + 1))]
-    cells += [Cell(_value(content, name, value, False)) for name, value in one.inputs.items()]
+    cells += [Cell(digits.setting(value)) for value in one.inputs.values()]
     cells += [
         Cell(digits.with_interval(at.value, at.low, at.high), at.value)
         for at in one.predicted.values()
@@ -119,13 +122,6 @@ def _row(content: Content, k: int, one: Candidate, checked: bool) -> tuple[Cell,
         cells.append(Cell(digits.fixed(one.desirability, 3)))
     cells.append(Cell(chance(one.probability), one.probability, "strong"))
     return (*cells, *[Cell(_checked(one.verified))] * checked)
-
-
-def _value(content: Content, name: str, value: float | str, unit: bool = True) -> str:
-    if isinstance(value, str):
-        return value
-    words = digits.number(value, 4)
-    return digits.with_unit(words, content.unit(name)) if unit else words
 
 
 def _checked(found: Verified | None) -> str:
