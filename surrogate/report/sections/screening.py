@@ -151,6 +151,15 @@ def _cost(decision: Screening) -> Table:
     )
 
 
+def may_be_frozen(decision: Screening, most: int = MOST) -> str:
+    """What may be frozen, in a clause that names so many inputs."""
+    if decision.refused:
+        return "nothing is frozen, because the indices cannot be trusted"
+    if not decision.freeze:
+        return "no input may be frozen"
+    return f"{digits.listing(decision.freeze, most)} may be frozen"
+
+
 def share_kept(kept: VarianceKept) -> str:
     """`98.1 % (97.5 to 98.6)`."""
     whole = digits.with_interval(

@@ -41,16 +41,12 @@ def section(content: Content) -> Section:
 
 def decided(decision: Screening) -> str:
     """What may be frozen, and the share of the variance that the rest explains."""
-    if decision.refused:
-        return "nothing is frozen, because the indices cannot be trusted."
-    if not decision.freeze:
-        return "no input may be frozen."
+    frozen = screening.may_be_frozen(decision)
+    if decision.refused or not decision.freeze:
+        return f"{frozen}."
     several = len(decision.variance_kept) > 1
     kept = [
         f"{screening.share_kept(kept)} of the variance" + (f" of {kept.output}" if several else "")
         for kept in decision.variance_kept
     ]
-    return (
-        f"{digits.listing(decision.freeze, screening.MOST)} may be frozen; the other inputs "
-        f"explain {digits.listing(kept)}."
-    )
+    return f"{frozen}; the other inputs explain {digits.listing(kept)}."

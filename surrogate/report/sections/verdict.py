@@ -21,6 +21,7 @@ from surrogate.report.parity import parity
 from surrogate.report.sections.accuracy import TEST, held_out
 from surrogate.report.sections.indices import DECIMALS, STAMP, of_output, refusal
 from surrogate.report.sections.measures import index, measures_of, names_of, unit_of
+from surrogate.report.sections.screening import may_be_frozen
 from surrogate.report.sections.solve import goal
 from surrogate.sensitivity.importance import TOTAL
 from surrogate.solving.solution import chance
@@ -33,6 +34,8 @@ ENOUGH, MOST = 0.8, 3
 HEIGHT = 310.0
 #: Names of inputs in a cell of the first table.
 LISTED = 2
+#: Names of frozen inputs in the sentence; all outputs of the study have a say in them.
+FROZEN = 6
 #: What the shipped surrogates are; others are called by their class.
 KINDS = {
     "Linear": "linear model",
@@ -52,7 +55,7 @@ def verdict(content: Content, output: str) -> Verdict:
     clauses = [
         _predicted(content, output, best),
         *_mattering(content, output),
-        *_frozen(content),
+        *([] if content.screening is None else [may_be_frozen(content.screening, FROZEN)]),
     ]
     figures = [
         figure
@@ -185,18 +188,6 @@ def explained(table: xr.Dataset, inputs: np.ndarray) -> float:
         pairs = np.asarray(table["second_order"].values, dtype=float)[np.ix_(inputs, inputs)]
         share += float(np.nansum(np.tril(np.maximum(pairs, 0.0), -1)))
     return float(np.clip(share, 0.0, 1.0))
-
-
-def _frozen(content: Content) -> list[str]:
-    """What may be frozen, in a clause; the other outputs of the study have a say in it."""
-    decision = content.screening
-    if decision is None:
-        return []
-    if decision.refused:
-        return ["nothing is frozen, because the indices cannot be trusted"]
-    if not decision.freeze:
-        return ["no input may be frozen"]
-    return [f"{digits.listing(decision.freeze, 6)} may be frozen"]
 
 
 def _leading_words(content: Content, output: str) -> str:
