@@ -233,9 +233,19 @@ class Content:
 
     def q2(self, surrogate: str, output: str) -> float:
         """Q2 on held-out runs when there are some, otherwise cross-validated; or NaN."""
-        row = self.row(surrogate, output)
-        test = row.get("q2_test", np.nan)
-        return test if np.isfinite(test) else row.get("q2_cv", np.nan)
+        return self._score("q2", surrogate, output)
+
+    def rmse(self, surrogate: str, output: str) -> float:
+        """RMSE on the runs that `q2` is of; or NaN."""
+        return self._score("rmse", surrogate, output)
+
+    def tested(self, surrogate: str, output: str) -> bool:
+        """True when Q2 on held-out runs is known."""
+        return bool(np.isfinite(self.row(surrogate, output).get("q2_test", np.nan)))
+
+    def _score(self, score: str, surrogate: str, output: str) -> float:
+        how = "test" if self.tested(surrogate, output) else "cv"
+        return self.row(surrogate, output).get(f"{score}_{how}", np.nan)
 
     def best(self, output: str) -> str | None:
         """The surrogate that the comparison names best for this output; or the first."""

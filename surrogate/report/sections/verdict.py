@@ -68,9 +68,8 @@ def verdict(content: Content, output: str) -> Verdict:
         )
         if figure is not None
     ]
-    row = content.row(best, output) if best else {}
-    how = "test" if np.isfinite(row.get("q2_test", np.nan)) else "cv"
-    q2, error = row.get(f"q2_{how}", np.nan), row.get(f"rmse_{how}", np.nan)
+    q2 = content.q2(best, output) if best else np.nan
+    error = content.rmse(best, output) if best else np.nan
     return Verdict(
         output,
         anchor("output", output),
@@ -111,12 +110,9 @@ def _predicted(content: Content, output: str, best: str | None) -> str:
             if content.fits
             else f"{digits.quantity(int(content.finished(output).sum()), 'finished run')}"
         )
-    name, row = called(content.fits_of(output)[best]), content.row(best, output)
-    held = np.isfinite(row.get("q2_test", np.nan))
-    how = "test" if held else "cv"
-    error = row.get(f"rmse_{how}", np.nan)
+    name, error = called(content.fits_of(output)[best]), content.rmse(best, output)
     count = digits.quantity(held_out(content, output), "held-out run")
-    kind = f"on {count}" if held else "in cross-validation"
+    kind = f"on {count}" if content.tested(best, output) else "in cross-validation"
     if not np.isfinite(error):
         return (
             f"the error of {name} on new points is not known, for there are no held-out runs and "
@@ -128,7 +124,7 @@ def _predicted(content: Content, output: str, best: str | None) -> str:
     within = digits.with_unit(digits.figure(error, 2), content.unit(output))
     return (
         f"{name} predicts it within {within} (RMSE {kind}; "
-        f"Q²\N{NO-BREAK SPACE}{digits.score(row.get(f'q2_{how}', np.nan))})"
+        f"Q²\N{NO-BREAK SPACE}{digits.score(content.q2(best, output))})"
     )
 
 
