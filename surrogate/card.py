@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
@@ -68,12 +69,12 @@ class Card:
         return {word: value for word, value in self.facts.items() if value not in ("", None)}
 
 
-class Carded:
+class Carded(ABC):
     """Shows its `_card`: one line in Python, a card in a notebook."""
 
     @property
-    def _card(self) -> Card:
-        raise NotImplementedError(f"{type(self).__name__} has no card")
+    @abstractmethod
+    def _card(self) -> Card: ...
 
     def __repr__(self) -> str:
         return self._card.line()
