@@ -7,6 +7,7 @@ said.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -96,7 +97,7 @@ def scene_note(content: Content) -> str:
 
 def scene_data(content: Content, shown: list[Chosen], geometry: Geometry) -> dict[str, Any]:
     """The whole of it; `javascript/geometry.js` uses it."""
-    scene, coloured = geometry.scene, colours(content, shown, geometry.scene)
+    scene, coloured = geometry.scene, list(colours(content, shown, geometry.scene))
     share = MOST_CHARACTERS // max(len(coloured), 1)
     surface, *others = (_moving(part) for part in geometry.parts)
     lines, marks = others[: len(scene.lines)], others[len(scene.lines) :]
@@ -174,9 +175,8 @@ def _coordinate(content: Content, scene: Scene, dim: str) -> dict[str, Any]:
     }
 
 
-def colours(content: Content, shown: list[Chosen], scene: Scene) -> list[Colours]:
+def colours(content: Content, shown: list[Chosen], scene: Scene) -> Iterator[Colours]:
     """The fields that may colour the surface, as their surrogates know them."""
-    found = []
     for number, one in enumerate(shown):
         if one.output not in scene.fields or not content.is_field(one.output):
             continue
@@ -186,8 +186,7 @@ def colours(content: Content, shown: list[Chosen], scene: Scene) -> list[Colours
         low, high = _span(flat)
         on_points = _interpolated(content, one.output, scene, np.vstack([mean, modes]))
         amplitudes = (flat - mean) @ modes.T
-        found.append(Colours(number, one, on_points[0], on_points[1:], amplitudes, low, high))
-    return found
+        yield Colours(number, one, on_points[0], on_points[1:], amplitudes, low, high)
 
 
 def _span(values: Array) -> tuple[float, float]:

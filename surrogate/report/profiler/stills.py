@@ -41,12 +41,11 @@ def stills(content: Content, shown: list[Chosen], geometry: Geometry) -> Markup:
     coded = starting_point(content)[0]
     surface, *others = geometry.at(coded)
     lines = _in_space(geometry.scene, surface, others[: len(geometry.scene.lines)])
-    coloured = next(iter(colours(content, shown, geometry.scene)), None)
+    coloured = next(colours(content, shown, geometry.scene), None)
     values = None if coloured is None else _values(coloured, coded)
     what = "The geometry" if coloured is None else f"The geometry, coloured by {_told(coloured)}"
-    pictures = []
+    tints, pictures = _tints(coloured, values, len(surface)), []
     for name, view in list(geometry.scene.views.items())[:2]:
-        tints = _tints(coloured, values, len(surface))
         pixels = picture(surface, np.asarray(geometry.scene.triangles), tints, view, lines)
         words = f"{what}, seen from: {name}."
         pictures.append(
