@@ -42,7 +42,7 @@ def _load() -> None:
         import xarray as xr
 
         xr.Dataset(coords={"run": [0]})
-        import surrogate.cli.terminal
+        import surrogate.cli.findings
         import surrogate.report.page  # noqa: F401
         from surrogate.stages.digest import environment
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from rich.console import Console
 
-from surrogate.cli import terminal
+from surrogate.cli import standing
 from surrogate.cli.page import Page
 from surrogate.cli.progress import duration
 from surrogate.stages.summary import json_data
@@ -34,7 +34,7 @@ def watch(
     """
     console = console or Console()
     while True:
-        page = terminal.status(study, results)
+        page = standing.status(study, results)
         if as_json:
             print(json.dumps(json_data(page.data), allow_nan=False), flush=True)
         elif console.is_terminal:

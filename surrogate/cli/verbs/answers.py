@@ -39,13 +39,13 @@ def predict(
     quiet: Quiet = False,
 ) -> None:
     """Predict outputs at new points, with intervals. Runs nothing."""
-    from surrogate.cli import results, terminal
+    from surrogate.cli import predicting, results
     from surrogate.cli.progress import StagesBar
 
     loaded = read(study)
     folder = results.folder_of(loaded, results_dir)
     with StagesBar(loaded.name, hidden=quiet) as steps:
-        page = terminal.predict(loaded, folder, surrogate, at or [], points, steps)
+        page = predicting.predict(loaded, folder, surrogate, at or [], points, steps)
     show(page, as_json)
 
 
@@ -153,13 +153,13 @@ def validate(
     ] = None,
 ) -> None:
     """Compare surrogates and other models with reference cases. Runs no solver of the study."""
-    from surrogate.cli import results, terminal
+    from surrogate.cli import results, validating
     from surrogate.cli.progress import StagesBar
 
     loaded = read(study)
     folder = results.folder_of(loaded, results_dir)
     with StagesBar(loaded.name, hidden=quiet) as steps:
-        page = terminal.validate(loaded, folder, cases, steps)
+        page = validating.validate(loaded, folder, cases, steps)
     show(page, as_json)
 
 

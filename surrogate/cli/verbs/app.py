@@ -59,10 +59,10 @@ def read(path: Path) -> Study:
 
 def finish(study: Study, outcome: Outcome, as_json: bool, quiet: bool) -> None:
     """Print what came of a study, and end with status 1 when something failed."""
-    from surrogate.cli import terminal
+    from surrogate.cli import findings
     from surrogate.cli.page import say
 
-    show(terminal.outcome(study, outcome), as_json, hidden=quiet)
+    show(findings.page(study, outcome), as_json, hidden=quiet)
     if outcome.trouble:
         say(outcome.trouble)
         raise typer.Exit(1)

@@ -23,10 +23,10 @@ def store(
     ] = None,
 ) -> None:
     """Write the finished runs into a small file that ships with the study."""
-    from surrogate.cli import results, terminal
+    from surrogate.cli import results, storing
 
     loaded = read(study)
-    page = terminal.store(loaded, results.folder_of(loaded, results_dir), to)
+    page = storing.store(loaded, results.folder_of(loaded, results_dir), to)
     show(page, as_json, hidden=quiet)
 
 

@@ -39,10 +39,10 @@ def check(
     A study is code: reading it loads and builds the solver that it names, and loads the
     modules beside it. Check only studies of people you trust.
     """
-    from surrogate.cli import results, terminal
+    from surrogate.cli import results, standing
 
     loaded = read(study)
-    page = terminal.check(loaded, results.folder_of(loaded, results_dir))
+    page = standing.check(loaded, results.folder_of(loaded, results_dir))
     show(page, as_json, hidden=quiet)
 
 
@@ -97,7 +97,7 @@ def work(
     They share the results folder and nothing else: start as many as you like, whenever and
     wherever; each ends when all runs are done. Then `surrogate run` makes the report.
     """
-    from surrogate.cli import results, terminal
+    from surrogate.cli import results, standing
     from surrogate.cli.progress import RunsBar
 
     loaded = read(study)
@@ -110,7 +110,7 @@ def work(
             retry_failed=chosen(retry_failed),
             progress=bar,
         )
-    show(terminal.status(loaded, folder), as_json, hidden=quiet)
+    show(standing.status(loaded, folder), as_json, hidden=quiet)
 
 
 @app.command()
@@ -122,7 +122,7 @@ def status(
     watch: Annotated[bool, typer.Option("--watch", help="Again until all are done.")] = False,
 ) -> None:
     """Count the runs that are done, failed and left; show the time left."""
-    from surrogate.cli import results, terminal
+    from surrogate.cli import results, standing
 
     loaded = read(study)
     if watch:
@@ -130,7 +130,7 @@ def status(
 
         keep_showing(loaded, results.folder_of(loaded, results_dir), as_json=as_json)
         return
-    show(terminal.status(loaded, results.folder_of(loaded, results_dir)), as_json)
+    show(standing.status(loaded, results.folder_of(loaded, results_dir)), as_json)
 
 
 @app.command()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surrogate import Study
-from surrogate.cli import terminal
+from surrogate.cli import standing
 from surrogate.conformance import check_solver
 from surrogate.errors import SolverError, StudyError
 from surrogate.runs.identity import SolverSpec, keys
@@ -244,6 +244,6 @@ def test_check_tells_the_points_that_the_fabric_cannot_be(tmp_path):
             refused += 1
     (sentence,) = (one.sentence for one in LegBandage.constraints)
     assert study.broken_constraints == {"train": {sentence: refused}} and refused == 2
-    page = terminal.check(study, tmp_path / "results")
+    page = standing.check(study, tmp_path / "results")
     assert f"2 of 9 points of train have no answer: {sentence}\n" in page.parts
     assert page.data["broken_constraints"] == study.broken_constraints

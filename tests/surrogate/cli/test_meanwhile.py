@@ -16,7 +16,7 @@ from surrogate.execution.progress import Progress
 with loading(None) as told:
     assert "surrogate.report.page" not in sys.modules
     told(Progress(3))
-assert {"surrogate.report.page", "surrogate.cli.terminal", "pint"} <= set(sys.modules)
+assert {"surrogate.report.page", "surrogate.cli.findings", "pint"} <= set(sys.modules)
 """
 
 

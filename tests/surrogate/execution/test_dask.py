@@ -195,10 +195,10 @@ def test_check_and_status_do_without_dask_workers(tmp_path):
         "execution: {executor: dask, options: {address: 'tcp://127.0.0.1:9'}}\n"
     )
     code = (
-        "import sys; from surrogate.cli import verbs, terminal\n"
+        "import sys; from surrogate.cli import verbs, standing\n"
         "from pathlib import Path; from surrogate.study.study import Study\n"
-        f"s = Study.from_yaml({str(study)!r}); terminal.check(s, Path('r')); "
-        "terminal.status(s, Path('r'))\n"
+        f"s = Study.from_yaml({str(study)!r}); standing.check(s, Path('r')); "
+        "standing.status(s, Path('r'))\n"
         "assert not {'dask_jobqueue', 'distributed'} & set(sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from surrogate.cli import results, terminal
+from surrogate.cli import findings, results
 from surrogate.errors import StudyError
 from surrogate.fitting.forecast import Goal
 from surrogate.study.study import Study
@@ -55,7 +55,7 @@ def test_summary_terminal_and_report_tell_the_same(outcome):
     found = json.loads((folder / "summary.json").read_text())["learning"]
     said = str(xr.load_dataset(folder / "learning.nc")["sentence"].sel(surrogate="gp").item())
     assert found["sentence"]["values"][2][0] == said
-    lines = terminal.outcome(asked, done).parts
+    lines = findings.page(asked, done).parts
     page = (folder / "report.html").read_text()
     for sentence in said.splitlines():
         assert f"flow: {sentence}" in lines

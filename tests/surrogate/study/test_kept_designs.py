@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from surrogate import Study
-from surrogate.cli import terminal
+from surrogate.cli import standing
 from surrogate.designs import latin_hypercube as module
 from surrogate.errors import ResultsError, StudyError
 from surrogate.runs import dataset as rundata
@@ -53,8 +53,8 @@ def another_search(monkeypatch):
 def test_no_verb_searches_before_a_run(tmp_path, searches):
     """`check` and `status` count the runs of a fresh study, `predict` says that there are none."""
     one = study(designs={"train": {"method": "latin_hypercube", "runs": 1000}})
-    assert terminal.check(one, tmp_path).data["runs"]["missing"] == 1000
-    assert terminal.status(one, tmp_path).data["runs"]["missing"] == 1000
+    assert standing.check(one, tmp_path).data["runs"]["missing"] == 1000
+    assert standing.status(one, tmp_path).data["runs"]["missing"] == 1000
     with pytest.raises(ResultsError, match="no finished runs"):
         prediction.predict(one, tmp_path, None, ["X1=0", "X2=0", "X3=0"], None)
     assert searches == []
@@ -64,7 +64,7 @@ def test_check_searches_for_no_points_to_hold_against_constraints(tmp_path, sear
     """The bandage declares constraints: those of points that are not found yet are not counted."""
     parameters = {"nu12": [0.0, 0.4], "K2": [0.05, 0.3], "stretch": [1.2, 1.4]}
     one = study(solver="leg_bandage", parameters=parameters, outputs=["pressure_b1"])
-    assert terminal.check(one, tmp_path).data["broken_constraints"] == {}
+    assert standing.check(one, tmp_path).data["broken_constraints"] == {}
     assert searches == []
 
 
@@ -73,8 +73,8 @@ def test_a_design_is_found_once(tmp_path, searches):
     runs = run(study(), tmp_path)
     assert searches == [12]
     again = study()
-    assert terminal.check(again, tmp_path).data["runs"]["ok"] == 12
-    assert terminal.status(again, tmp_path).data["runs"]["ok"] == 12
+    assert standing.check(again, tmp_path).data["runs"]["ok"] == 12
+    assert standing.status(again, tmp_path).data["runs"]["ok"] == 12
     assert prediction.predict(again, tmp_path, None, ["X1=0", "X2=0", "X3=0"], None).rows
     np.testing.assert_array_equal(run(again, tmp_path)["coded"], runs["coded"])
     assert searches == [12]
@@ -86,7 +86,7 @@ def test_a_new_design_beside_a_kept_one_is_counted(tmp_path, searches):
     more = [{"method": "center_points", "runs": 2}]
     test = {"method": "latin_hypercube", "runs": 6, "seed": 1, "augment": more}
     two = study(designs={**DATA["designs"], "test": test})
-    counts = terminal.status(two, tmp_path).data["runs"]
+    counts = standing.status(two, tmp_path).data["runs"]
     assert (counts["ok"], counts["missing"]) == (12, 8)
     found = prediction.predict(two, tmp_path, None, ["X1=0", "X2=0", "X3=0"], None)
     assert len(found.rows) == 1 and found.note.startswith("8 runs of the study are not done yet")

@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from surrogate.cli import results, terminal
+from surrogate.cli import findings, results
 from surrogate.errors import SolverError, StudyError
 from surrogate.solver import Input, Output
 from surrogate.study.study import Study
@@ -65,7 +65,7 @@ def test_the_region_of_failed_runs_is_told(tmp_path):
     sentence = done.summary["failures"]["sentence"]
     assert sentence.startswith("runs fail where x > 0.7: 18 of 18 there, 0 of 42 elsewhere")
     assert f"R{sentence[1:]}." in done.report.read_text().replace("&gt;", ">")
-    assert sentence in terminal.outcome(study, done).parts
+    assert sentence in findings.page(study, done).parts
     assert done.summary["sensitivity"]
 
 

@@ -6,7 +6,7 @@ import pytest
 from searches import calls
 
 from surrogate import Study
-from surrogate.cli import results, serving, terminal
+from surrogate.cli import predicting, results, serving, standing, validating
 from surrogate.designs import d_optimal, latin_hypercube
 from surrogate.errors import ResultsError, StudyError
 from surrogate.study import prediction
@@ -39,7 +39,7 @@ def verbs(one, folder, cases):
     """Each verb that runs nothing, but for `check`."""
     point = ["X1=0", "X2=0", "X3=0"]
     return {
-        "status": lambda: terminal.status(one, folder),
+        "status": lambda: standing.status(one, folder),
         "report": lambda: results.analyse(one, folder, again=True),
         "predict": lambda: prediction.predict(one, folder, None, point, None),
         "validate": lambda: results.validate(one, folder, cases),
@@ -107,17 +107,17 @@ def test_surrogates_of_a_design_without_points_are_not_done(tmp_path):
 
 def test_check_searches_for_what_it_judges_only(tmp_path):
     """Points that all differ need no judgement; others may be too few or be aliased."""
-    terminal.check(study({"method": "searches:counted", "runs": 14}), tmp_path)
+    standing.check(study({"method": "searches:counted", "runs": 14}), tmp_path)
     assert calls == []
     one = study({"method": "searches:judged", "runs": 14})
-    terminal.check(one, tmp_path)
+    standing.check(one, tmp_path)
     assert calls == [14]
     run(one, tmp_path)
-    terminal.check(study({"method": "searches:judged", "runs": 14}), tmp_path)
+    standing.check(study({"method": "searches:judged", "runs": 14}), tmp_path)
     assert calls == []
 
 
-@pytest.mark.parametrize("act", [terminal.check, run])
+@pytest.mark.parametrize("act", [standing.check, run])
 def test_points_that_are_too_few_are_told_before_a_run(tmp_path, act):
     """A design with as many runs as coefficients, but one point, is no design for them."""
     with pytest.raises(StudyError, match="surrogates.quadratic: quadratic has 10 .* has 1 diff"):
@@ -142,13 +142,13 @@ def test_the_searches_that_come_along_are_marked(tmp_path, monkeypatch, method):
     monkeypatch.setattr(latin_hypercube, "maximin", None)
     monkeypatch.setattr(d_optimal, "_search", None)
     one = study({"method": method, "runs": 14})
-    assert terminal.status(one, tmp_path).data["runs"]["missing"] == 14
+    assert standing.status(one, tmp_path).data["runs"]["missing"] == 14
 
 
 def test_check_shows_the_aliasing_of_a_d_optimal_design(tmp_path):
     """The four runs from which three parameters are estimated best: the half fraction."""
     one = study({"method": "d_optimal", "runs": 4, "seed": 1}, surrogates={})
-    assert terminal.check(one, tmp_path).data["aliasing"]["train"]["resolution"] == 3
+    assert standing.check(one, tmp_path).data["aliasing"]["train"]["resolution"] == 3
 
 
 def test_predict_and_validate_tell_how_far_their_fits_are(tmp_path, cases):
@@ -156,8 +156,8 @@ def test_predict_and_validate_tell_how_far_their_fits_are(tmp_path, cases):
     one, steps = study({"method": "searches:counted", "runs": 14}), []
     run(one, tmp_path)
     point = ["X1=0", "X2=0", "X3=0"]
-    terminal.predict(one, tmp_path, "linear", point, None, steps.append)
+    predicting.predict(one, tmp_path, "linear", point, None, steps.append)
     assert [step.label for step in steps if step.stage == "fits"] == ["linear of y", ""]
-    terminal.validate(one, tmp_path, cases, steps.append)
+    validating.validate(one, tmp_path, cases, steps.append)
     labels = [step.label for step in steps if step.stage == "fits"]
     assert labels == ["linear of y", "", "quadratic of y", ""]

@@ -1,28 +1,18 @@
-"""What the command prints: each function turns a study and its results into a `Page`."""
+"""How a study stands, before and while its runs are done, as the command prints it."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from surrogate.cli import calibrating
-from surrogate.cli.figures import COMPARED, INDICES, figure_tables, validation_tables
-from surrogate.cli.outcome import Outcome
 from surrogate.cli.page import Page
 from surrogate.cli.progress import duration
-from surrogate.cli.results import store as store_runs
-from surrogate.cli.results import validate as validate_with
 from surrogate.cli.table import Table
 from surrogate.execution.fresh import interrupted
 from surrogate.runs import dataset as rundata
-from surrogate.stages.stage import Step
-from surrogate.stages.summary import figures_of
-from surrogate.study import prediction
 from surrogate.study.study import Study
 
 
@@ -176,127 +166,3 @@ def status(study: Study, results: Path) -> Page:
         },
         parts,
     )
-
-
-def store(study: Study, results: Path, to: Path | None) -> Page:
-    """Where the stored runs are, and the line that the study needs."""
-    path, runs = store_runs(study, results, to)
-    counts = rundata.counts(runs)
-    done = runs.sizes["run"] - counts["missing"]
-    parts = [f"{path} holds {done} runs ({path.stat().st_size / 1e3:.0f} kB)"]
-    if counts["missing"]:
-        parts.append(f"{counts['missing']} runs of the study are not done yet and not in it")
-    name = Path(os.path.relpath(path, study.place)).as_posix()
-    named = name in (file.name for file in study.stored_runs)
-    parts.append("the study names it already" if named else f"add to the study:\n\nstored: {name}")
-    return Page(
-        {"file": str(path), "runs": done, "missing": counts["missing"], "stored": name}, parts
-    )
-
-
-def validate(
-    study: Study,
-    results: Path,
-    cases: Path | None,
-    steps: Callable[[Step], None] = lambda step: None,
-) -> Page:
-    """Figures of agreement, and where the page is."""
-    found, page = validate_with(study, results, cases, steps=steps)
-    parts = [*validation_tables(figures_of(found)), "", f"page: {page}"]
-    return Page({**figures_of(found), "report": str(page)}, parts)
-
-
-def outcome(study: Study, done: Outcome) -> Page:
-    """The findings in a few lines, and where the report is."""
-    figures = done.summary
-    parts: list[str | Table] = []
-    for key, titles in (("comparison", COMPARED), ("sensitivity", INDICES)):
-        if figures[key]:
-            parts += [part for made in figure_tables(figures[key], titles) for part in (made, "")]
-    if figures["validation"]:
-        parts += [*validation_tables(figures["validation"]), ""]
-    if figures["calibration"]:
-        parts += [*calibrating.lines(figures["calibration"]), ""]
-    if figures["screening"]:
-        parts.append(_screening_line(figures["screening"]))
-    if figures["learning"]:
-        parts += _learning_lines(figures["learning"], figures["comparison"])
-    for name, goal in (figures["solve"] or {}).items():
-        parts.append(f"goal {name} ({goal['goal']}): {goal['sentence']}")
-    if figures["failures"]:
-        parts.append(figures["failures"]["sentence"])
-    parts += [
-        f"{output}: standard deviation of the replicates {scatter['std']:.3g}"
-        for output, scatter in figures["replicates"].items()
-    ]
-    parts.append(f"report: {done.report}" + ("" if done.fresh else " (was up to date)"))
-    return Page({**figures, "report": str(done.report)}, parts)
-
-
-def _screening_line(screening: Mapping[str, Any]) -> str:
-    if screening["refused"]:
-        return f"screening: nothing is frozen. {screening['refused']}"
-    frozen = ", ".join(screening["freeze"]) or "nothing"
-    return f"screening: keep {', '.join(screening['keep']) or 'nothing'}; may be frozen: {frozen}"
-
-
-def _learning_lines(learning: Mapping[str, Any], comparison: Mapping[str, Any]) -> list[str]:
-    """What the curve of each output's best surrogate says; of the first where it has none."""
-    outputs, names = learning["output"]["values"], learning["surrogate"]["values"]
-    best = dict(zip(comparison["output"]["values"], comparison["best"]["values"], strict=True))
-    lines = []
-    for k, output in enumerate(outputs):
-        said = [row[k] for row in learning["sentence"]["values"]]
-        own = names.index(best[output]) if best[output] in names else 0
-        text = said[own] or next(filter(None, said))
-        lines += [f"{output}: {sentence}" for sentence in text.splitlines()]
-    return lines
-
-
-def _place(row: Mapping[str, Any]) -> str:
-    if not row["inside"]:
-        return "OUTSIDE"
-    return "inside, but FAR FROM THE ROWS (extrapolated)" if row["extrapolated"] else "inside"
-
-
-def predict(
-    study: Study,
-    results: Path,
-    surrogate: str | None,
-    words: Sequence[str],
-    points: Path | None,
-    steps: Callable[[Step], None] = lambda step: None,
-) -> Page:
-    """Values with intervals at points given as words or as a CSV file."""
-    found = prediction.predict(study, results, surrogate, words, points, steps=steps)
-    parts: list[str | Table] = [found.note] if found.note else []
-    rows = []
-    for row in found.rows:
-        for output, answer in row["outputs"].items():
-            unit = study.spec.solver.outputs[output].unit
-            value = answer["value"]
-            shown = (
-                f"{value:.5g} {unit}".strip()
-                if np.ndim(value) == 0
-                else f"field {np.shape(value)} {unit}: mean {np.mean(value):.5g}"
-            )
-            low, high = answer["low"], answer["high"]
-            interval = f"[{low:.5g}, {high:.5g}]" if np.ndim(low) == 0 else "see --json"
-            rows.append(
-                (
-                    row["point"],
-                    output,
-                    answer["surrogate"],
-                    shown,
-                    interval,
-                    _place(row),
-                )
-            )
-    parts.append(
-        Table(
-            "",
-            ("point", "output", "surrogate", "value", "95 % interval", "range of the study"),
-            rows,
-        )
-    )
-    return Page(found.rows, parts)
