@@ -94,6 +94,15 @@ class GaussianProcess(RegressorMixin, BaseEstimator):
         self._set(logs[0], self._factored(logs[0]))
         return self
 
+    def condition(self, X: ArrayLike, y: ArrayLike, logs: Array) -> Self:
+        """Fit to points X (n, d) and values y (n,) with log lengths and log nugget (c + 1,).
+
+        No search: `logs_` of a process that was fitted to nearly the same runs.
+        """
+        self._take(X, y)
+        self._set(np.asarray(logs, dtype=float), self._factored(logs))
+        return self
+
     def fit_many(self, X: ArrayLike, Y: ArrayLike) -> list[GaussianProcess]:
         """Processes of outputs Y (n, k) of the same runs X (n, d), whose searches share places."""
         models = self._taken(X, np.asarray(Y))

@@ -1,0 +1,264 @@
+"""Adaptive designs against space-filling ones of as many runs, for each aim.
+
+    python benchmarks/adaptive.py [AIM ...] [--repeats 10]
+
+Twelve runs a parameter, a third of them the initial Latin hypercube. The other design is one
+maximin Latin hypercube of all runs. A Gaussian process learns from each; its error, by the aim:
+
+    accuracy     RMSE on 4096 points, as a share of the output's deviation
+    index_width  width of the widest interval of a total index
+    index_error  of the same designs: largest error of a total index
+    target       share of the space on the wrong side of the output's 80 % quantile
+    optimum      best run above the smallest value, as a share of the output's deviation
+    probability  relative error of the probability of the 99 % quantile, 40 000 points
+
+`ratio` is adaptive / space-filling of the medians, `better` in how many repeats the adaptive
+design has the smaller error. The printed table stands in docs/how_to/adaptive.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.adaptive.aim import (
+    ACCURACY,
+    FIGURES,
+    INDEX_WIDTH,
+    OPTIMUM,
+    PROBABILITY,
+    TARGET,
+    Aim,
+    Review,
+    Rule,
+    Until,
+)
+from surrogate.adaptive.answers import Answers
+from surrogate.adaptive.choose import choose
+from surrogate.adaptive.judge import is_due, review
+from surrogate.designs.latin_hypercube import latin_hypercube
+from surrogate.fitting.fit import Fit, fit
+from surrogate.regressors.gaussian_process import GaussianProcess
+from surrogate.sensitivity.pick_freeze import pick_freeze
+from surrogate.sensitivity.sobol import sobol
+from surrogate.solver import Input
+from surrogate.space.distributions import distribution, uniform
+from surrogate.space.space import Parameter, Space
+from surrogate_solvers.textbook import Borehole, Ishigami, OTLCircuit, Piston
+
+Array = NDArray[np.float64]
+A_PARAMETER, INITIAL = 12, 1.0 / 3.0
+
+
+@dataclass(frozen=True)
+class Function:
+    """A public function of coded points."""
+
+    space: Space
+    of: Callable[[Array], Array]
+
+
+def _textbook(solver: object, output: str | None = None) -> Function:
+    inputs: dict[str, Input] = solver.inputs  # type: ignore[attr-defined]
+    space = Space(tuple(Parameter(n, uniform(*one.range)) for n, one in inputs.items()))
+    name = output or next(iter(solver.outputs))  # type: ignore[attr-defined]
+    return Function(space, lambda coded: solver(**space.decode(coded))[name])  # type: ignore[operator]
+
+
+def _box(ranges: list[tuple[float, float]], of: Callable[[Array], Array]) -> Function:
+    space = Space(tuple(Parameter(f"x{k}", uniform(*one)) for k, one in enumerate(ranges, start=1)))
+    return Function(space, lambda coded: of(np.column_stack(list(space.decode(coded).values()))))
+
+
+def _branin(x: Array) -> Array:
+    """Dixon and Szegoe 1978; smallest value 0.397887."""
+    a = x[:, 1] - 5.1 / (4 * np.pi**2) * x[:, 0] ** 2 + 5 / np.pi * x[:, 0] - 6
+    return a**2 + 10 * (1 - 1 / (8 * np.pi)) * np.cos(x[:, 0]) + 10
+
+
+def _camel(x: Array) -> Array:
+    """Six-hump camel back (Dixon and Szegoe 1978); smallest value -1.031628."""
+    a, b = x.T
+    return (4 - 2.1 * a**2 + a**4 / 3) * a**2 + a * b + (4 * b**2 - 4) * b**2
+
+
+def _goldstein(x: Array) -> Array:
+    """Logarithm of Goldstein and Price's function (1971); smallest value log 3."""
+    a, b = x.T
+    one = 1 + (a + b + 1) ** 2 * (19 - 14 * a + 3 * a**2 - 14 * b + 6 * a * b + 3 * b**2)
+    two = 18 - 32 * a + 12 * a**2 + 48 * b - 36 * a * b + 27 * b**2
+    return np.log(one * (30 + (2 * a - 3 * b) ** 2 * two))
+
+
+def _hartmann(A: Array, P: Array) -> Callable[[Array], Array]:
+    alpha = np.array([1.0, 1.2, 3.0, 3.2])
+    return lambda x: -np.exp(-(A * (x[:, None] - 1e-4 * P) ** 2).sum(axis=-1)) @ alpha
+
+
+_A3 = np.array([[3, 10, 30], [0.1, 10, 35], [3, 10, 30], [0.1, 10, 35]])
+_P3 = np.array([[3689, 1170, 2673], [4699, 4387, 7470], [1091, 8732, 5547], [381, 5743, 8828]])
+_A6 = np.array(
+    [
+        [10, 3, 17, 3.5, 1.7, 8],
+        [0.05, 10, 17, 0.1, 8, 14],
+        [3, 3.5, 1.7, 10, 17, 8],
+        [17, 8, 0.05, 10, 0.1, 14],
+    ]
+)
+_P6 = np.array(
+    [
+        [1312, 1696, 5569, 124, 8283, 5886],
+        [2329, 4135, 8307, 3736, 1004, 9991],
+        [2348, 1451, 3522, 2883, 3047, 6650],
+        [4047, 8828, 8732, 5743, 1091, 381],
+    ]
+)
+
+
+def _four_branches() -> Function:
+    """Series system of four branches, two normal inputs (Echard et al. 2011, section 4.1)."""
+    space = Space(
+        tuple(Parameter(f"x{k}", distribution("normal", mean=0.0, std=1.0)) for k in (1, 2))
+    )
+
+    def of(coded: Array) -> Array:
+        a, b = space.decode(coded).values()
+        bow = 3 + 0.1 * (a - b) ** 2
+        sides = (bow - (a + b) / 2**0.5, bow + (a + b) / 2**0.5)
+        return -np.min([*sides, a - b + 6 / 2**0.5, b - a + 6 / 2**0.5], axis=0)
+
+    return Function(space, of)
+
+
+BRANIN = _box([(-5, 10), (0, 15)], _branin)
+CAMEL = _box([(-3, 3), (-2, 2)], _camel)
+HARTMANN_3 = _box([(0, 1)] * 3, _hartmann(_A3, _P3))
+ISHIGAMI, BOREHOLE, PISTON = _textbook(Ishigami()), _textbook(Borehole()), _textbook(Piston())
+OTL = _textbook(OTLCircuit())
+WHOLE = {
+    "branin": BRANIN,
+    "ishigami": ISHIGAMI,
+    "hartmann 3": HARTMANN_3,
+    "otl circuit": OTL,
+    "piston": PISTON,
+    "borehole": BOREHOLE,
+}
+#: Aim -> functions; for an optimum the smallest value too.
+FUNCTIONS: dict[str, dict[str, Function]] = {
+    ACCURACY: WHOLE,
+    INDEX_WIDTH: WHOLE,
+    TARGET: WHOLE,
+    OPTIMUM: {
+        "branin": BRANIN,
+        "six-hump camel": CAMEL,
+        "log goldstein": _box([(-2, 2)] * 2, _goldstein),
+        "hartmann 3": HARTMANN_3,
+        "hartmann 6": _box([(0, 1)] * 6, _hartmann(_A6, _P6)),
+    },
+    PROBABILITY: {
+        "four branches": _four_branches(),
+        "branin": BRANIN,
+        "hartmann 3": HARTMANN_3,
+        "otl circuit": OTL,
+        "piston": PISTON,
+        "borehole": BOREHOLE,
+    },
+}
+SMALLEST = {
+    "branin": 0.397887,
+    "six-hump camel": -1.031628,
+    "log goldstein": np.log(3.0),
+    "hartmann 3": -3.862782,
+    "hartmann 6": -3.322368,
+}
+
+
+def grown(function: Function, rule: Rule, runs: int, seed: int) -> Array:
+    """Coded points of an adaptive design, a point at a time."""
+    start = max(round(INITIAL * runs), function.space.size + 3)
+    coded, reviews = latin_hypercube(function.space, runs=start, seed=seed), list[Review]()
+    while len(coded) < runs:
+        all_ok = np.ones(len(coded), dtype=bool)
+        answers = Answers(coded, all_ok, all_ok, {"y": function.of(coded)})
+        if is_due(rule, reviews, len(coded)):
+            reviews.append(review(rule, function.space, answers))
+        coded = np.vstack([coded, choose(rule, function.space, answers, reviews[-1])])
+    return coded
+
+
+def _fit(function: Function, coded: Array) -> Fit:
+    return fit(function.space, coded, function.of(coded), GaussianProcess())
+
+
+class Truth:
+    """What a design of a function is judged by, for one aim."""
+
+    def __init__(self, aim: str, name: str, function: Function) -> None:
+        self.aim, self.name, self.function = aim, name, function
+        self.points = function.space.sample(40_000 if aim == PROBABILITY else 4096, seed=12345)
+        self.values = function.of(self.points)
+        self.value = float(np.quantile(self.values, 0.99 if aim == PROBABILITY else 0.8))
+        if aim == INDEX_WIDTH:
+            self.total = pick_freeze(function.of, function.space, samples=2**15).total
+
+    def errors(self, coded: Array) -> dict[str, float]:
+        """Errors of a design, by name."""
+        if self.aim == OPTIMUM:
+            gap = float(self.function.of(coded).min()) - SMALLEST[self.name]
+            return {self.aim: gap / float(self.values.std())}
+        one = _fit(self.function, coded)
+        if self.aim == INDEX_WIDTH:
+            table = sobol(one, self.function.space)
+            width = float((table["total_high"] - table["total_low"]).max())
+            error = float(np.abs(table["total"].values.ravel() - self.total).max())
+            return {self.aim: width, "index_error": error}
+        predicted = one.predict(self.points)
+        if self.aim == ACCURACY:
+            error = float(np.sqrt(np.mean((predicted - self.values) ** 2)))
+            return {self.aim: error / float(self.values.std())}
+        beyond, said = self.values > self.value, predicted > self.value
+        if self.aim == TARGET:
+            return {self.aim: float((beyond != said).mean())}
+        return {self.aim: float(abs(said.mean() - beyond.mean()) / beyond.mean())}
+
+
+def compared(aim: str, name: str, function: Function, repeats: int) -> Iterator[str]:
+    """A line for each error of one function."""
+    truth, runs = Truth(aim, name, function), A_PARAMETER * function.space.size
+    rule = Rule(Aim(aim, ("y",), truth.value), Until(runs, FIGURES[aim][0]))
+    both = []
+    for seed in range(repeats):
+        filling = latin_hypercube(function.space, runs=runs, seed=100 + seed)
+        both.append((truth.errors(grown(function, rule, runs, seed)), truth.errors(filling)))
+    for error in both[0][0]:
+        pairs = np.array([(ours[error], filled[error]) for ours, filled in both])
+        ours, filled = np.median(pairs, axis=0)
+        better = int((pairs[:, 0] < pairs[:, 1]).sum())
+        yield (
+            f"{error:<12} {name:<15} {runs:>4} {ours:>10.3g} {filled:>10.3g} "
+            f"{ours / filled:>7.2f} {better:>3} of {repeats}"
+        )
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("aims", nargs="*", metavar="AIM")
+    parser.add_argument("--repeats", type=int, default=10)
+    given = parser.parse_args()
+    print(
+        f"{'error':<12} {'function':<15} {'runs':>4} {'adaptive':>10} {'filling':>10} "
+        f"{'ratio':>7} better"
+    )
+    for aim in given.aims or FUNCTIONS:
+        for name, function in FUNCTIONS[aim].items():
+            for line in compared(aim, name, function, given.repeats):
+                print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()

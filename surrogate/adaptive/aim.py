@@ -1,0 +1,114 @@
+"""What an adaptive design aims at, and when it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+ACCURACY, INDEX_WIDTH, OPTIMUM = "accuracy", "index_width", "optimum"
+TARGET, PROBABILITY = "target", "probability"
+#: What is judged on the way to each aim, the first one by default.
+FIGURES = {
+    ACCURACY: ("q2", "rmse"),
+    INDEX_WIDTH: ("width",),
+    OPTIMUM: ("gain",),
+    TARGET: ("unsure",),
+    PROBABILITY: ("unsure",),
+}
+#: The figures in words.
+NAMES = {
+    "q2": "Q2",
+    "rmse": "RMSE",
+    "width": "width of the widest interval of a total index",
+    "gain": "expected improvement",
+    "unsure": "share of the space whose side is unsure",
+}
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What the next runs are for.
+
+    kind     accuracy, index_width, optimum, target or probability
+    outputs  scalar outputs that are judged; one for the last three kinds
+    value    of a target, or the limit of a probability, in the output's unit
+    sign     optimum: 1 for the smallest value, -1 for the largest; probability: 1 for above the
+             limit, -1 for below
+    """
+
+    kind: str
+    outputs: tuple[str, ...]
+    value: float = 0.0
+    sign: Literal[1, -1] = 1
+
+    def __str__(self) -> str:
+        names = ", ".join(self.outputs)
+        if self.kind == OPTIMUM:
+            return f"the {'smallest' if self.sign > 0 else 'largest'} {names}"
+        if self.kind == TARGET:
+            return f"where {names} is {self.value:g}"
+        if self.kind == PROBABILITY:
+            side = "above" if self.sign > 0 else "below"
+            return f"the probability that {names} is {side} {self.value:g}"
+        if self.kind == INDEX_WIDTH:
+            return f"narrow intervals of the total indices of {names}"
+        return f"accuracy of {names}"
+
+
+@dataclass(frozen=True)
+class Until:
+    """When the design ends.
+
+    runs      most runs, the initial design included
+    figure    what is judged: q2, rmse, width, gain, unsure
+    value     that it must reach; None: it is told and ends nothing
+    patience  end after so many runs in which the figure did not improve; None for never
+    """
+
+    runs: int
+    figure: str
+    value: float | None = None
+    patience: int | None = None
+
+    def reaches(self, figure: float) -> bool:
+        """Whether a figure meets the goal; NaN never does."""
+        if self.value is None:
+            return False
+        return figure >= self.value if self.figure == "q2" else figure <= self.value
+
+    def better(self, figure: float, than: float) -> bool:
+        """Whether a figure is better than another."""
+        return figure > than if self.figure == "q2" else figure < than
+
+
+@dataclass(frozen=True)
+class Rule:
+    """An adaptive design but for its initial points.
+
+    batch     points that are chosen together and done before the next ones; None: a point for
+              each free place, at once
+    identity  equal for rules that choose the same points from the same answers
+    """
+
+    aim: Aim
+    until: Until
+    batch: int | None = None
+    seed: int = 0
+    identity: str = ""
+
+
+@dataclass(frozen=True)
+class Review:
+    """A look at the answers: lengths are searched for anew, and the aim is judged.
+
+    runs      of the design that had ended
+    figure    what `Until.figure` names; NaN when no surrogate could be fitted
+    estimate  the best value of an optimum, the probability asked for; NaN for other aims
+    lengths   output -> log lengths and log nugget of its process
+    """
+
+    runs: int
+    figure: float
+    estimate: float
+    lengths: Mapping[str, tuple[float, ...]]

@@ -1,0 +1,58 @@
+"""The next points of an adaptive design, from the answers so far."""
+
+from __future__ import annotations
+
+import zlib
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.adaptive.aim import Review, Rule
+from surrogate.adaptive.answers import Answers, processes
+from surrogate.adaptive.candidates import LEADING, STEPS, allowed, around, candidates, farthest
+from surrogate.adaptive.worth import Worth
+from surrogate.space.space import Space
+
+Array = NDArray[np.float64]
+
+
+def choose(rule: Rule, space: Space, answers: Answers, review: Review, count: int = 1) -> Array:
+    """The next coded points (k, d), one after the other; fewer than `count` when none is left.
+
+    Each counts the ones before it, and runs under way, as answered by what is predicted. The
+    same answers give the same points. Without a surrogate the points fill the space.
+    """
+    chosen = np.empty((0, space.size))
+    for _ in range(count):
+        now = answers.with_points(chosen)
+        seed = _seed(rule, len(now.coded))
+        points = candidates(space, now.coded, now.failed, seed=seed)
+        if not len(points):
+            break
+        if review.lengths:
+            worth = Worth(rule.aim, space, processes(space, now, review), rule.seed)
+            one, _ = worthiest(worth, space, now, points, seed)
+        else:
+            one = points[farthest(space, points, now.coded)]
+        chosen = np.vstack([chosen, one])
+    return chosen
+
+
+def worthiest(
+    worth: Worth, space: Space, answers: Answers, points: Array, seed: int
+) -> tuple[Array, float]:
+    """The candidate (d,) of most worth, looked for near the best ones too, and its worth."""
+    value = worth.of(points)
+    for number, step in enumerate(STEPS):
+        best = points[np.argsort(-value, kind="stable")[:LEADING]]
+        more = around(space, best, step, seed=seed + number)
+        more = allowed(space, more, answers.coded, answers.failed)
+        if len(more):
+            points, value = np.vstack([points, more]), np.append(value, worth.of(more))
+    first = int(np.argmax(value))
+    return points[first], float(value[first])
+
+
+def _seed(rule: Rule, row: int) -> int:
+    """A seed for each row of the design."""
+    return zlib.crc32(f"{rule.seed} {row}".encode())

@@ -1,0 +1,122 @@
+"""Reviews of an adaptive design: how near the answers have come to its aim, and when it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from surrogate.adaptive.aim import (
+    ACCURACY,
+    INDEX_WIDTH,
+    OPTIMUM,
+    PROBABILITY,
+    Review,
+    Rule,
+)
+from surrogate.adaptive.answers import Answers, processes
+from surrogate.adaptive.candidates import candidates
+from surrogate.adaptive.choose import worthiest
+from surrogate.adaptive.limit_state import UNSURE, deviations_away
+from surrogate.adaptive.worth import Worth, prediction
+from surrogate.errors import FitError
+from surrogate.fitting.fit import Fit, fit, rmse
+from surrogate.regressors.gaussian_process import GaussianProcess
+from surrogate.sensitivity.sobol import sobol
+from surrogate.space.space import Space
+
+Array = NDArray[np.float64]
+
+#: Runs from one review to the next: so many, and at least this share of those there are.
+EVERY, SHARE = 5, 0.1
+#: Points of the parameters' law at which a side is judged.
+SAMPLES = 5000
+REACHED, USED_UP, NO_IMPROVEMENT, NOTHING_LEFT = (
+    "reached",
+    "runs used up",
+    "no improvement",
+    "nothing left",
+)
+
+
+def is_due(rule: Rule, reviews: Sequence[Review], ended: int) -> bool:
+    """Whether it is time for a review, when so many runs of the design have ended."""
+    if not reviews:
+        return True
+    last = reviews[-1].runs
+    return ended >= min(last + max(EVERY, int(SHARE * last)), rule.until.runs) and ended > last
+
+
+def reason(rule: Rule, reviews: Sequence[Review], rows: int) -> str:
+    """Why the design, with so many rows, takes no more points; "" while it does."""
+    if reviews and rule.until.reaches(reviews[-1].figure):
+        return REACHED
+    if rows >= rule.until.runs:
+        return USED_UP
+    if rule.until.patience is not None and _stalled(rule, reviews, rule.until.patience):
+        return NO_IMPROVEMENT
+    return ""
+
+
+def _stalled(rule: Rule, reviews: Sequence[Review], patience: int) -> bool:
+    """Whether no review of the last `patience` runs is better than all before."""
+    known = [one for one in reviews if np.isfinite(one.figure)]
+    if not known:
+        return False
+    best = known[0]
+    for one in known[1:]:
+        if rule.until.better(one.figure, best.figure):
+            best = one
+    return reviews[-1].runs - best.runs >= patience
+
+
+def review(rule: Rule, space: Space, answers: Answers) -> Review:
+    """Lengths from the answers so far, and the aim's figure."""
+    fits = {}
+    for output in rule.aim.outputs:
+        X, y = answers.known(output)
+        try:
+            fits[output] = fit(space, X, y, GaussianProcess(), surrogate="process", output=output)
+        except FitError:
+            return Review(int(answers.ended.sum()), np.nan, np.nan, {})
+    lengths = {name: _lengths(one) for name, one in fits.items()}
+    found = Review(int(answers.ended.sum()), np.nan, np.nan, lengths)
+    figure, estimate = _judged(rule, space, answers, fits, found)
+    return Review(found.runs, figure, estimate, lengths)
+
+
+def _judged(
+    rule: Rule, space: Space, answers: Answers, fits: dict[str, Fit], found: Review
+) -> tuple[float, float]:
+    """The aim's figure, and its own estimate."""
+    kind = rule.aim.kind
+    if kind == ACCURACY and rule.until.figure == "rmse":
+        return max(rmse(one.values, one.left_out) for one in fits.values()), np.nan
+    if kind == ACCURACY:
+        return min(one.q2 for one in fits.values()), np.nan
+    if kind == INDEX_WIDTH:
+        return max(_index_width(one, space) for one in fits.values()), np.nan
+    ready = processes(space, answers, found)
+    worth = Worth(rule.aim, space, ready, rule.seed)
+    if kind == OPTIMUM:
+        points = candidates(space, answers.coded, answers.failed, seed=rule.seed)
+        gain = worthiest(worth, space, answers, points, rule.seed)[1] if len(points) else 0.0
+        return gain, rule.aim.sign * worth.best
+    (process,) = ready.values()
+    mean, deviation = prediction(process, space.sample(SAMPLES, seed=rule.seed))
+    away = deviations_away(mean, deviation, rule.aim.value)
+    beyond = rule.aim.sign * (mean - rule.aim.value) > 0.0
+    estimate = float(beyond.mean()) if kind == PROBABILITY else np.nan
+    return float((away < UNSURE).mean()), estimate
+
+
+def _lengths(one: Fit) -> tuple[float, ...]:
+    assert isinstance(one.estimator, GaussianProcess)
+    return tuple(one.estimator.logs_.tolist())
+
+
+def _index_width(one: Fit, space: Space) -> float:
+    """Width of the widest interval of a total index, as the study's analysis gives it."""
+    table = sobol(one, space)
+    return float((table["total_high"] - table["total_low"]).max())
