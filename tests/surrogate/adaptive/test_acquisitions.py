@@ -26,9 +26,12 @@ def expectations(of, *ends):
         low, high = m - 12 * s, m + 12 * s
         kinks = [low, *sorted(end for end in ends_of(ends, s) if low < end < high), high]
         pieces = zip(kinks[:-1], kinks[1:], strict=True)
-        law = stats.norm(m, s)
-        found.append(sum(quad(lambda y: of(y, s) * law.pdf(y), *piece)[0] for piece in pieces))
+        found.append(sum(quad(weighted, *piece, (of, m, s))[0] for piece in pieces))
     return np.array(found)
+
+
+def weighted(y, of, m, s):
+    return of(y, s) * stats.norm.pdf(y, m, s)
 
 
 def ends_of(ends, s):
