@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import distance
+from scipy import spatial
 
 from surrogate.space.space import Space
 
@@ -23,38 +23,63 @@ CANDIDATES, FEWEST, MOST, LARGEST_WORK = 40, 2_000, 200_000, 2e8
 EXCHANGES, LARGEST_TABLE = 4, 4_000_000
 
 
-def scattered(space: Space, runs: int, rng: np.random.Generator, effort: float = 1.0) -> Coded:
-    """`runs` coded points (run, parameter) of a space with constraints, far apart."""
+def scattered(
+    space: Space,
+    runs: int,
+    rng: np.random.Generator,
+    effort: float = 1.0,
+    kept: Coded | None = None,
+) -> Coded:
+    """`runs` coded points (run, parameter) of a space, constraints kept, far apart.
+
+    kept: points (run, parameter) that are there already, to keep away from.
+    """
     wanted = np.clip(effort * CANDIDATES * runs, FEWEST, max(FEWEST, effort * MOST))
     count = int(max(runs, min(wanted, effort * LARGEST_WORK / runs)))
     coded = space.sample(count, seed=int(rng.integers(2**31)))
-    places = np.column_stack([p.probability(coded[:, j]) for j, p in enumerate(space.parameters)])
-    return coded[_exchanged(places, _farthest(places, runs), round(EXCHANGES * runs))]
+    places = _places(space, coded)
+    there = _places(space, np.empty((0, space.size)) if kept is None else kept)
+    taken = _farthest(places, runs, there)
+    return coded[_exchanged(places, taken, there, round(EXCHANGES * runs))]
 
 
-def _farthest(places: Coded, runs: int) -> NDArray[np.intp]:
-    """Numbers of `runs` of the places, each the farthest from those before; first the outermost."""
+def _places(space: Space, coded: Coded) -> Coded:
+    """Probabilities (point, parameter) of coded points."""
+    return np.column_stack([p.probability(coded[:, j]) for j, p in enumerate(space.parameters)])
+
+
+def _farthest(places: Coded, runs: int, there: Coded) -> NDArray[np.intp]:
+    """Numbers of `runs` of the places, each the farthest from those before and those there.
+
+    The first is the outermost where none is there.
+    """
     taken = np.empty(runs, dtype=np.intp)
-    taken[0] = int(_squared(places, places.mean(axis=0)).argmax())
-    nearest = _squared(places, places[taken[0]])
-    for k in range(1, runs):
+    nearest = _squared(places, places.mean(axis=0))
+    if len(there):
+        nearest = np.asarray(spatial.KDTree(there).query(places)[0]) ** 2
+    for k in range(runs):
         taken[k] = int(nearest.argmax())
+        if k == 0 and not len(there):
+            nearest = np.full(len(places), np.inf)
         np.minimum(nearest, _squared(places, places[taken[k]]), out=nearest)
     return taken
 
 
-def _exchanged(places: Coded, taken: NDArray[np.intp], exchanges: int) -> NDArray[np.intp]:
+def _exchanged(
+    places: Coded, taken: NDArray[np.intp], there: Coded, exchanges: int
+) -> NDArray[np.intp]:
     """The same after exchanges that make the smallest distance larger."""
-    if len(taken) < 3 or len(taken) * len(places) > LARGEST_TABLE:
+    points = np.vstack([places[taken], there])
+    if len(points) < 3 or len(points) * len(places) > LARGEST_TABLE:
         return taken
-    table = distance.cdist(places, places[taken], "sqeuclidean")
+    table = spatial.distance.cdist(places, points, "sqeuclidean")
     for _ in range(exchanges):
         apart = table[taken]
         np.fill_diagonal(apart, np.inf)
         pair = np.unravel_index(int(apart.argmin()), apart.shape)
         nearest, second = np.partition(table, 1, axis=1)[:, :2].T
         moves = []
-        for leaving in map(int, pair):
+        for leaving in (int(number) for number in pair if number < len(taken)):
             without = np.where(table[:, leaving] <= nearest, second, nearest)
             entering = int(without.argmax())
             moves.append((float(without[entering]), leaving, entering))

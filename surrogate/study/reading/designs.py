@@ -85,14 +85,11 @@ def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) 
     names = [part.method, *(addition.method for addition in part.augment)]
     options = {key: value for key, value in methods[0].keywords.items() if key != "folder"}
     with reading.mistakes_at(*path):
-        rows = getattr(methods[0].func, "rows", None)
-        if rows is None:
-            parts = _parts(space, names, methods)
-        else:  # augmentations are tried on other points, to find mistakes and count rows
-            parts = _augmented(space, space.sample(rows(space, **options), seed=0), names, methods)
+        searched = any(hasattr(method.func, "rows") for method in methods)
+        parts = _tried(space, names, methods) if searched else _parts(space, names, methods)
         coded = np.vstack(parts)
         added = tuple(zip(names[1:], map(len, parts[1:]), strict=True))
-        if rows is None:
+        if not searched:
             found = partial(np.asarray, coded)
             return Design(name, part.method, options, len(coded), found, added)
         return Design(
@@ -103,7 +100,7 @@ def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) 
             partial(_all_points, space, names, methods),
             added,
             searched=True,
-            spread=getattr(methods[0].func, "spread", False),
+            spread=all(getattr(method.func, "spread", False) for method in methods),
             identity=_identity(
                 space, names, [options, *(method.keywords for method in methods[1:])]
             ),
@@ -129,20 +126,28 @@ def _all_points(
 def _parts(
     space: Space, names: Sequence[str], methods: Sequence[Callable[..., Any]]
 ) -> list[NDArray[np.float64]]:
-    """Points of a design, then those of each of its augmentations."""
-    return _augmented(space, _points(names[0], space, methods[0], space), names, methods)
-
-
-def _augmented(
-    space: Space,
-    coded: NDArray[np.float64],
-    names: Sequence[str],
-    methods: Sequence[Callable[..., Any]],
-) -> list[NDArray[np.float64]]:
-    """The points `coded`, then those that each augmentation adds to all before it."""
-    parts = [coded]
+    """Points of a design, then those that each augmentation adds to all before it."""
+    parts = [_points(names[0], space, methods[0], space)]
     for name, method in zip(names[1:], methods[1:], strict=True):
         parts.append(_points(name, space, method, space, np.vstack(parts)))
+    return parts
+
+
+def _tried(
+    space: Space, names: Sequence[str], methods: Sequence[partial[Any]]
+) -> list[NDArray[np.float64]]:
+    """As many points as `_parts` gives, but others for those that are searched for.
+
+    The options of a search are checked, and augmentations that are none are tried.
+    """
+    parts: list[NDArray[np.float64]] = []
+    for name, method in zip(names, methods, strict=True):
+        given = (space, np.vstack(parts)) if parts else (space,)
+        if hasattr(method.func, "rows"):
+            options = {key: value for key, value in method.keywords.items() if key != "folder"}
+            parts.append(space.sample(method.func.rows(*given, **options), seed=0))
+        else:
+            parts.append(_points(name, space, method, *given))
     return parts
 
 

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.spatial import distance
 
 from surrogate.designs.axial_points import axial_points
 from surrogate.designs.center_points import center_points
@@ -8,6 +9,7 @@ from surrogate.designs.fold_over import fold_over
 from surrogate.designs.fractional_factorial import fractional_factorial
 from surrogate.designs.full_factorial import full_factorial
 from surrogate.designs.latin_hypercube import latin_hypercube
+from surrogate.designs.space_filling import space_filling
 from surrogate.errors import DesignError
 
 
@@ -81,3 +83,26 @@ def test_axial_points_options(cube, mixed, unbounded):
     levels = type(mixed)(mixed.parameters[1:3])
     with pytest.raises(DesignError, match="all of these have levels"):
         axial_points(levels, None)
+
+
+def test_added_points_fill_the_gaps(cube):
+    """Farther from all that is there than any of 200 random additions of as many points."""
+    space = cube(3)
+    rng = np.random.default_rng(0)
+    there = rng.uniform(-1.0, 1.0, (20, 3))
+    added = space_filling(space, there, runs=8, seed=0)
+
+    def apart(more):
+        table = distance.cdist(more, np.vstack([there, more]))
+        return table[table > 0].min()
+
+    assert added.shape == (8, 3)
+    assert apart(added) > 1.5 * max(apart(rng.uniform(-1, 1, (8, 3))) for _ in range(200))
+    np.testing.assert_array_equal(added, space_filling(space, there, runs=8, seed=0))
+
+
+def test_the_emptiest_place_is_taken_first(cube):
+    """One point to add to three corners of a square: the fourth."""
+    there = np.array([[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0]])
+    added = space_filling(cube(2), there, runs=1, seed=0)
+    assert np.linalg.norm(added - 1.0) < 0.15

@@ -9,12 +9,14 @@ from scipy.spatial.distance import pdist
 from surrogate.designs.box_behnken import box_behnken
 from surrogate.designs.center_points import center_points
 from surrogate.designs.central_composite import central_composite
+from surrogate.designs.criteria import log_determinant
 from surrogate.designs.csv import csv
-from surrogate.designs.d_optimal import Model, d_optimal, log_determinant
 from surrogate.designs.fractional_factorial import fractional_factorial
 from surrogate.designs.full_factorial import full_factorial
 from surrogate.designs.halton import halton
 from surrogate.designs.latin_hypercube import latin_hypercube
+from surrogate.designs.model import Model
+from surrogate.designs.optimal import d_optimal
 from surrogate.designs.plackett_burman import plackett_burman
 from surrogate.designs.sobol import sobol
 from surrogate.errors import DesignError

@@ -9,13 +9,15 @@ from scipy.spatial.distance import pdist
 from surrogate.designs.axial_points import axial_points
 from surrogate.designs.box_behnken import box_behnken
 from surrogate.designs.central_composite import central_composite
+from surrogate.designs.criteria import log_determinant
 from surrogate.designs.csv import csv
-from surrogate.designs.d_optimal import Model, d_optimal, log_determinant
 from surrogate.designs.fold_over import fold_over
 from surrogate.designs.fractional_factorial import fractional_factorial
 from surrogate.designs.full_factorial import full_factorial
 from surrogate.designs.halton import halton
 from surrogate.designs.latin_hypercube import latin_hypercube
+from surrogate.designs.model import Model
+from surrogate.designs.optimal import d_optimal
 from surrogate.designs.plackett_burman import plackett_burman
 from surrogate.designs.sobol import sobol
 from surrogate.errors import DesignError

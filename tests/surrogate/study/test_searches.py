@@ -7,7 +7,7 @@ from searches import calls
 
 from surrogate import Study
 from surrogate.cli import predicting, results, serving, standing, validating
-from surrogate.designs import d_optimal, latin_hypercube
+from surrogate.designs import exchange, latin_hypercube, optimal, space_filling
 from surrogate.errors import ResultsError, StudyError
 from surrogate.study import prediction
 
@@ -140,9 +140,35 @@ def test_what_an_augmentation_refuses_is_told_with_its_place(tmp_path):
 def test_the_searches_that_come_along_are_marked(tmp_path, monkeypatch, method):
     """Reading optimises nothing."""
     monkeypatch.setattr(latin_hypercube, "maximin", None)
-    monkeypatch.setattr(d_optimal, "_search", None)
+    monkeypatch.setattr(exchange, "_search", None)
     one = study({"method": method, "runs": 14})
     assert standing.status(one, tmp_path).data["runs"]["missing"] == 14
+
+
+@pytest.mark.parametrize(
+    "more, points",
+    [({"method": "space_filling"}, 19), ({"method": "d_optimal", "model": "linear"}, 19)],
+)
+def test_augmentations_that_search_are_searches(tmp_path, monkeypatch, more, points):
+    """They count their points at reading, find them for a run, and are not found again."""
+    asked = {"method": "sobol", "runs": 14, "augment": [{**more, "runs": 5}]}
+    with monkeypatch.context() as stopped:
+        stopped.setattr(optimal, "best_of", None)
+        stopped.setattr(space_filling, "scattered", None)
+        one = study(asked, surrogates={"l": {"method": "linear"}})
+        assert standing.status(one, tmp_path).data["runs"]["missing"] == points
+    run(one, tmp_path)
+    monkeypatch.setattr(optimal, "best_of", None)
+    monkeypatch.setattr(space_filling, "scattered", None)
+    again = study(asked, surrogates={"l": {"method": "linear"}})
+    assert standing.status(again, tmp_path).data["runs"]["ok"] == points
+
+
+def test_an_augmentation_that_cannot_be_is_told_at_reading():
+    """Fewer runs in all than the model has terms."""
+    more = [{"method": "d_optimal", "runs": 1, "model": "quadratic"}]
+    with pytest.raises(StudyError, match="give at least 6"):
+        study({"method": "sobol", "runs": 4, "augment": more})
 
 
 def test_check_shows_the_aliasing_of_a_d_optimal_design(tmp_path):
