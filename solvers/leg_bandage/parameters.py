@@ -245,6 +245,27 @@ INPUTS: Mapping[str, Input] = {
 }
 
 
+EXPONENT = Input(
+    nominal=1.0,
+    range=(0.3, 1.5),
+    description="n of the tension law T = tension ((stretch - 1) / 0.3)^n; 1 is the secant",
+    source=f"1: {PAPER}, equation 10; 0.64 is close to the curve of `curved`, assumed",
+)
+
+LAWS = ("power",)
+"""Tension laws with inputs of their own, which stand in place of `tension_law`."""
+
+
+def inputs_of(law: str | None) -> dict[str, Input]:
+    """The inputs of a solver with that tension law; None: `tension_law` is an input."""
+    if law is None:
+        return dict(INPUTS)
+    return {
+        "exponent" if name == "tension_law" else name: EXPONENT if name == "tension_law" else one
+        for name, one in INPUTS.items()
+    }
+
+
 def _has_a_minimum(nu12: float, K2: float, tension: float) -> bool:
     """Whether the membrane energy has one: nu12^2 K2 < K1 = tension / 0.3."""
     return nu12**2 * K2 < tension / (STRETCH - 1)

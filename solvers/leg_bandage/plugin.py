@@ -25,8 +25,10 @@ from .bandage.products import (
     NOMINAL,
     STRETCH,
     Bandage,
+    Curve,
     at_tension,
     bandage,
+    power_law,
 )
 from .equilibrium.loading import solve
 from .equilibrium.model import (
@@ -47,7 +49,7 @@ from .geometry.leg import Leg
 from .outputs.answers import OUTPUTS, answers
 from .outputs.result import Result
 from .outputs.scene import leg_scene
-from .parameters import CONSTRAINTS, INPUTS, SHAPE, complete, shapes_in
+from .parameters import CONSTRAINTS, INPUTS, LAWS, SHAPE, complete, inputs_of, shapes_in
 from .wrapping.lay import element_rows, lay
 from .wrapping.spiral import Wrap, wrap_for
 
@@ -65,6 +67,8 @@ class LegBandage:
     fabric         a named bandage whose constants become the nominal inputs, or none
     cohort         a file of `leg-bandage build-cohort`: length and alphas are then those of
                    these legs; relative to the study file, from Python to the current folder
+    law            "power": input `exponent` in place of `tension_law`, so that the tension law
+                   can be learnt from pressures
     linear_solver  "auto", "superlu" or "pardiso"; no answer hangs on it
     folder         where `cohort` is looked for
     """
@@ -83,12 +87,14 @@ class LegBandage:
         cohort: str | None = None,
         linear_solver: str = "auto",
         folder: Path | None = None,
+        law: str | None = None,
     ):
         for name, value, allowed in (
             ("mesh", mesh, MESHES),
             ("end", end, ("clipped", "held")),
             ("b1_rule", b1_rule, RULES),
             ("leg_ends", leg_ends, ("free", "no_axial", "pinned")),
+            ("law", law or LAWS[0], LAWS),
             ("linear_solver", linear_solver, (*ENGINES, "auto")),
         ):
             if value not in allowed:
@@ -101,7 +107,8 @@ class LegBandage:
         )
         shapes = shapes_in(cohort, folder)
         self.basis = shapes.basis
-        self.inputs = {**INPUTS, **shapes.inputs, **({} if chosen is None else _nominal(chosen))}
+        own = {} if chosen is None else _nominal(chosen)
+        self.inputs = {**inputs_of(law), **shapes.inputs, **own}
         #: What answers hang on besides the inputs: runs with the same are the same runs.
         self.identity_options = {
             "mesh": mesh,
@@ -110,6 +117,7 @@ class LegBandage:
             "b1_rule": b1_rule,
             "curve": self.curve,
             "cohort": shapes.identity,
+            **({} if law is None else {"law": law}),
         }
 
     def __call__(self, **inputs: float | str) -> dict[str, float | np.ndarray]:
@@ -162,7 +170,13 @@ class LegBandage:
         model = build(mesh, laid, wrap, material, self.ends, self.solver)
         return model, solve(model)
 
-    def _material(self, q) -> Material:
+    def _curve(self, q: Mapping[str, Any]) -> Curve:
+        """(stretch, tension over that at stretch 1.3); none: the secant."""
+        if "exponent" in q:
+            return power_law(q["exponent"])
+        return self.curve if q["tension_law"] == "curved" else ()
+
+    def _material(self, q: Mapping[str, Any]) -> Material:
         fabric = replace(
             self.fabric,
             K2=q["K2"],
@@ -173,7 +187,7 @@ class LegBandage:
             tau12=0.4 * q["bending"],
             thickness=q["thickness"],
             wrinkled=WRINKLED,
-            curve=self.curve if q["tension_law"] == "curved" else (),
+            curve=self._curve(q),
         )
         return Material(
             fabric=at_tension(q["tension"], fabric),

@@ -49,6 +49,15 @@ there to 1.1 at 2.0: tension curves of elastic bandages have an inflexion (Texti
 Journal 2019, doi 10.1177/0040517519833969, reads the pressure off there), the sizes are a
 guess."""
 
+
+def power_law(exponent: float) -> Curve:
+    """Points of T / T(1.3) = ((stretch - 1) / 0.3)^exponent, at the stretches of `CURVED`.
+
+    Exponent 1 is the secant; 0.64 goes through `CURVED` within 2 % from stretch 1.1 to 1.5.
+    """
+    return tuple((stretch, ((stretch - 1) / (STRETCH - 1)) ** exponent) for stretch, _ in CURVED)
+
+
 _FABRICS = "size of Kawabata's figures for woven and knitted fabrics, not this bandage's"
 ASSUMED: Mapping[str, str] = {
     "K2": "assumed: as stiff in the weft as in the warp, rounded",

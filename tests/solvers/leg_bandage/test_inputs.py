@@ -11,7 +11,7 @@ from surrogate.conformance import check_solver
 from surrogate.errors import SolverError, StudyError
 from surrogate.runs.identity import SolverSpec, keys
 from surrogate.runs.identity import run_inputs as calls_of
-from surrogate_solvers.leg_bandage.bandage.products import BANDAGES, CURVED, bandage
+from surrogate_solvers.leg_bandage.bandage.products import BANDAGES, CURVED, bandage, power_law
 from surrogate_solvers.leg_bandage.geometry.basis import fit_basis
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort, write_cohort
 from surrogate_solvers.leg_bandage.geometry.landmarks import MEDIAL, Disc, b1_height
@@ -26,6 +26,7 @@ def test_the_declarations_keep_the_contract():
     """Units, ranges, levels and names, without a run."""
     check_solver(LegBandage(), runs=0)
     check_solver(LegBandage(fabric="biflex_17"), runs=0)
+    check_solver(LegBandage(law="power"), runs=0)
 
 
 def test_a_moved_sensor_reads_the_same_field_elsewhere(rough_result):
@@ -106,6 +107,25 @@ def test_the_law_of_the_fabric_that_is_solved(fabric):
     assert [laws[law].tension(1.3) for law in laws] == pytest.approx([0.12, 0.12], rel=1e-12)
     assert laws["secant"].tension(1.4) == pytest.approx(0.16, rel=1e-12)
     assert laws["curved"].tension(1.4) == pytest.approx(0.12 * dict(CURVED)[1.4], rel=1e-12)
+
+
+def test_a_power_law_with_an_exponent_that_can_be_learnt():
+    """T = tension ((stretch - 1) / 0.3)^n; 0.64 is within 2 % of the assumed curve."""
+    solver = LegBandage(law="power")
+    assert "tension_law" not in solver.inputs
+    q = {name: one.nominal for name, one in solver.inputs.items()} | {"tension": 0.12}
+
+    def tension(exponent: float, stretch: float) -> float:
+        return float(solver._material(q | {"exponent": exponent}).fabric.tension(stretch))
+
+    for stretch in (1.12, 1.3, 1.44):
+        assert tension(1.0, stretch) == pytest.approx(0.4 * (stretch - 1), rel=1e-9)
+        exact = 0.12 * ((stretch - 1) / 0.3) ** 0.7
+        assert tension(0.7, stretch) == pytest.approx(exact, rel=2e-3)
+    close = dict(power_law(0.64))
+    assert all(close[s] == pytest.approx(t, rel=0.02) for s, t in CURVED if 1.1 <= s <= 1.5)
+    with pytest.raises(StudyError, match="law: 'powers' is unknown: did you mean 'power'"):
+        LegBandage(law="powers")
 
 
 @pytest.mark.slow
@@ -192,6 +212,7 @@ def test_identity_of_runs(tmp_path):
         _key({"sensor_up": 5.0}),
         _key({"start_height": 0.0}),
         _key(fabric="biflex_16"),
+        _key(law="power"),
     ]
     assert len({*same, *others}) == 1 + len(others)
     tension = LegBandage(fabric="biflex_16").inputs["tension"].nominal
