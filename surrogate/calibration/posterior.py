@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from surrogate.calibration.priors import Unknown
 from surrogate.calibration.problem import Problem
+from surrogate.calibration.tested import Tested
 
 Array = NDArray[np.float64]
 
@@ -30,6 +31,7 @@ class Posterior:
     figures     dataset over `unknown`: moments, intervals, shrinkage, R-hat, effective sizes
     surrogates  output -> surrogate that predicts it
     notes       sentences that a reader should know
+    tested      what the solver says at draws, an entry an output; empty where it was not asked
     """
 
     problem: Problem
@@ -38,10 +40,23 @@ class Posterior:
     figures: xr.Dataset
     surrogates: Mapping[str, str]
     notes: tuple[str, ...] = ()
+    tested: tuple[Tested, ...] = ()
 
     def draws(self, name: str, group: str = "posterior") -> Array:
         """All draws (draw,) of an unknown."""
         return np.asarray(self.tree[group][name].values).ravel()
+
+    @property
+    def convergence(self) -> str:
+        """R-hat and effective sample size of the worst unknown, in a sentence."""
+        found = self.figures
+        size = float(np.minimum(found["ess_bulk"], found["ess_tail"]).min())
+        state = "converged" if found.attrs["converged"] else "did not converge"
+        return (
+            f"Sampling {state}: R-hat is {float(found['r_hat'].max()):.3f} at most and the "
+            f"effective sample size {size:.0f} at least "
+            f"({found.attrs['walkers']} walkers of {found.attrs['steps']} steps)."
+        )
 
     def __str__(self) -> str:
         """The result in a sentence."""

@@ -1,8 +1,9 @@
-"""What measurements say about inputs, by the surrogates: one job."""
+"""What measurements say about inputs, by the surrogates, and what the solver says to that."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import xarray as xr
@@ -10,10 +11,13 @@ import xarray as xr
 from surrogate.calibration.calibrate import calibrate, fits_for
 from surrogate.calibration.posterior import Posterior
 from surrogate.calibration.problem import Problem
+from surrogate.calibration.tested import sentence
+from surrogate.calibration.verification import tested
 from surrogate.fitting import comparison as comparing
 from surrogate.stages.fits import Fits
 from surrogate.stages.stage import Job, Result
 from surrogate.stages.summary import json_data
+from surrogate.stages.verified import CALIBRATION, verifying
 
 
 def jobs(measured: Problem | None, fits: Fits, comparison: xr.Dataset | None) -> list[Job]:
@@ -36,6 +40,27 @@ def gather(done: Iterable[tuple[Job, Result]]) -> Result:
     return Result(None)
 
 
+def calibration(
+    runs: xr.Dataset, posterior: Posterior | None, fits: Fits, comparison: xr.Dataset | None
+) -> Posterior | None:
+    """The posterior with what runs of the solver at its draws say, if there are any."""
+    if posterior is None:
+        return None
+    return verified(posterior, runs, fits, comparison)
+
+
+def verified(
+    posterior: Posterior, runs: xr.Dataset, fits: Fits, comparison: xr.Dataset | None
+) -> Posterior:
+    """The same with the runs of the verifying design."""
+    own = runs.isel(run=verifying(runs, CALIBRATION))
+    if not own.sizes["run"]:
+        return posterior
+    best = comparing.best(comparison) if comparison is not None else {}
+    by = fits_for(posterior.problem, best, fits)
+    return replace(posterior, tested=tested(posterior, by, own))
+
+
 def figures(found: Posterior | None) -> dict[str, Any] | None:
     """JSON data of a posterior."""
     if found is None:
@@ -48,6 +73,8 @@ def figures(found: Posterior | None) -> dict[str, Any] | None:
     whole: dict[str, Any] = json_data(
         {
             "sentence": str(found),
+            "convergence": found.convergence,
+            "verification": sentence(found.tested) or None,
             "free": list(problem.free),
             "outputs": [one.output for one in problem.measured],
             "cases": len(problem.labels),
@@ -55,6 +82,7 @@ def figures(found: Posterior | None) -> dict[str, Any] | None:
             "surrogates": found.surrogates,
             "unknowns": by_name,
             "sampler": table.attrs,
+            "verified": {one.output: one.figures for one in found.tested},
             "notes": list(found.notes),
         }
     )

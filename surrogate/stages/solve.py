@@ -12,20 +12,12 @@ import xarray as xr
 from surrogate.solving.promise import Verified, met
 from surrogate.solving.solution import Candidate, Solution
 from surrogate.stages.summary import json_data
+from surrogate.stages.verified import verifying
 
 Solutions = Mapping[str, Solution]
 
 #: Inputs of a run are those of a candidate when they differ by less than this share.
 SAME = 1e-7
-
-
-#: Designs of verifying runs are named so.
-PREFIX = "verified_"
-
-
-def design_of(problem: str) -> str:
-    """Name of the design that holds the verifying runs of a problem."""
-    return PREFIX + problem
 
 
 def solve(runs: xr.Dataset, candidates: Solutions) -> dict[str, Solution]:
@@ -35,10 +27,7 @@ def solve(runs: xr.Dataset, candidates: Solutions) -> dict[str, Solution]:
 
 def verified(solution: Solution, runs: xr.Dataset) -> Solution:
     """A solution with what the runs of its verifying design say."""
-    rows = np.flatnonzero(
-        (runs["design"].values.astype(str) == design_of(solution.problem.name))
-        & (runs["status"].values.astype(str) != "missing")
-    )
+    rows = np.flatnonzero(verifying(runs, solution.problem.name))
     return replace(
         solution,
         candidates=tuple(

@@ -173,13 +173,20 @@ STAGES = (
         kept=False,
     ),
     Stage(
-        "calibration",
+        "posterior",
         reads=("measured",),
         needs=("fits", "comparison"),
         jobs=calibration.jobs,
         does=calibration.gather,
         files=_netcdf("posterior.nc", lambda found: found.tree, compressed=True),
+    ),
+    Stage(
+        "calibration",
+        reads=(),
+        needs=("runs", "posterior", "fits", "comparison"),
+        does=calibration.calibration,
         figures=calibration.figures,
+        kept=False,
     ),
     Stage(
         "validation",

@@ -23,6 +23,7 @@ from surrogate.study.prediction import told, usable
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.solving import problem_of
 from surrogate.study.study import Study
+from surrogate.study.verified_points import points
 from surrogate.study.verifying import verify
 
 #: Name of a goal that the command states.
@@ -169,5 +170,8 @@ def check(
 
     runs: at the best candidate when inputs are uncertain.
     """
-    again = verify(study, results, answer.solution, runs=runs, workers=workers, progress=progress)
-    return replace(answer, solution=verified(answer.solution, again.stored(results)))
+    solution = answer.solution
+    columns = points(solution, study.space, runs)
+    name = solution.problem.name
+    again = verify(study, results, name, columns, workers=workers, progress=progress)
+    return replace(answer, solution=verified(solution, again.stored(results)))

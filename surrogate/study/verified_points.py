@@ -1,7 +1,7 @@
-"""Points at which candidates are verified, kept in the results folder.
+"""Points at which promises are verified, kept in the results folder.
 
-They are a design of the study from then on, named after the goal. No surrogate learns from it
-unless it names it in `train:`.
+They are a design of the study from then on, named after the goal or the calibration. No surrogate
+learns from it unless it names it in `train:`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from surrogate.errors import ResultsError, StudyError
 from surrogate.runs.files import write_text
 from surrogate.solving.solution import Solution
 from surrogate.space.space import Space
-from surrogate.stages.solve import PREFIX, design_of
+from surrogate.stages.verified import PREFIX, design_of
 
 Coded = NDArray[np.float64]
 Columns = Mapping[str, NDArray[Any]]
@@ -52,10 +52,13 @@ def points(solution: Solution, space: Space, runs: int | None = None) -> dict[st
     return columns
 
 
-def keep(folder: Path, problem: str, columns: Columns) -> None:
-    """Write the points of a verification into the results folder, beside those there."""
-    path = _path(folder, problem)
-    old = _read(path) if path.exists() else {}
+def keep(folder: Path, promise: str, columns: Columns, *, anew: bool = False) -> None:
+    """Write the points of a verification into the results folder, beside those there.
+
+    anew: in place of those there.
+    """
+    path = _path(folder, promise)
+    old = _read(path) if path.exists() and not anew else {}
     if set(old) == set(columns):
         columns = {name: np.concatenate([old[name], columns[name]]) for name in columns}
     rows = dict.fromkeys(zip(*(column.tolist() for column in columns.values()), strict=True))
@@ -79,8 +82,8 @@ def kept(folder: Path, space: Space) -> dict[str, Design]:
     return found
 
 
-def _path(folder: Path, problem: str) -> Path:
-    return folder / "designs" / f"{design_of(problem)}.json"
+def _path(folder: Path, promise: str) -> Path:
+    return folder / "designs" / f"{design_of(promise)}.json"
 
 
 def _read(path: Path) -> dict[str, NDArray[Any]]:

@@ -1,4 +1,4 @@
-"""Runs of the solver at candidates: promises that are put to the test."""
+"""Runs of the solver where surrogates made promises: these are put to the test."""
 
 from __future__ import annotations
 
@@ -8,23 +8,24 @@ from pathlib import Path
 
 from surrogate.errors import StudyError
 from surrogate.execution.progress import Progress
-from surrogate.solving.solution import Solution
-from surrogate.stages.solve import design_of
+from surrogate.stages.verified import design_of
 from surrogate.study.study import Study
-from surrogate.study.verified_points import keep, points
+from surrogate.study.verified_points import Columns, keep
 
 
 def verify(
     study: Study,
     folder: Path,
-    solution: Solution,
+    promise: str,
+    columns: Columns,
     *,
-    runs: int | None = None,
+    anew: bool = False,
     workers: int | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Study:
-    """Run the solver at the candidates; returns the study with these runs in it.
+    """Run the solver at points (name -> (run,)); returns the study with these runs in it.
 
+    promise: a goal's name, or `CALIBRATION`. anew: points verified before are dropped.
     Raises `StudyError` for a study whose solver cannot be called.
     """
     if study.spec.recorded:
@@ -32,9 +33,9 @@ def verify(
     if study.spec.told:
         raise StudyError(
             f"the answers of {study.spec.name} are told; ask a Campaign for the points of design "
-            f"{design_of(solution.problem.name)}"
+            f"{design_of(promise)}"
         )
-    keep(folder, solution.problem.name, points(solution, study.space, runs))
+    keep(folder, promise, columns, anew=anew)
     again = replace(study)  # its runs are found anew
     again.run(workers=workers, results=folder, progress=progress)
     return again

@@ -165,14 +165,24 @@ def validate(
 
 @app.command()
 def calibrate(
-    study: StudyFile, results_dir: Results = None, as_json: AsJson = False, quiet: Quiet = False
+    study: StudyFile,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Run the solver at draws of the posterior.")
+    ] = False,
+    runs: Annotated[int | None, typer.Option(min=1, help="Verifying runs; default: 20.")] = None,
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes.")] = None,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Learn inputs from the measurements of calibration:, by the surrogates. Runs no solver."""
+    """Learn inputs from the measurements of calibration:, by the surrogates.
+
+    Runs no solver without --verify.
+    """
     from surrogate.cli import calibrating, results
-    from surrogate.cli.progress import StagesBar
 
     loaded = read(study)
     folder = results.folder_of(loaded, results_dir)
-    with StagesBar(loaded.name, hidden=quiet) as steps:
-        page = calibrating.calibrate(loaded, folder, steps)
+    how = {"verify": verify, "quiet": quiet}
+    page = calibrating.calibrate(loaded, folder, runs=runs, workers=workers, **how)
     show(page, as_json)

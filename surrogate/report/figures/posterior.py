@@ -85,13 +85,18 @@ def predictive_plot(
     measured: Array,
     replicates: Array,
     solver: Array,
+    ran: tuple[NDArray[np.intp], Array] | None = None,
 ) -> Plot:
-    """Measurements (case,), with new ones (draw, case) and the solver's values (draw, case)."""
+    """Measurements (case,), with new ones (draw, case) and the solver's values (draw, case).
+
+    ran: cases (pair,) at which the solver was run, and its values.
+    """
+    runs = (np.empty(0, dtype=int), np.empty(0)) if ran is None else ran
     at = np.arange(1.0, len(measured) + 1.0)
     low, high = np.quantile(replicates, (0.025, 0.975), axis=0)
     middle = solver.mean(axis=0)
     panel = Panel.within(
-        (0.4, len(at) + 0.6), span(low, high, measured, middle), height=300.0, left=56.0
+        (0.4, len(at) + 0.6), span(low, high, measured, middle, runs[1]), height=300.0, left=56.0
     )
     inside = int(((low <= measured) & (measured <= high)).sum())
     label = digits.labelled(output, unit)
@@ -100,6 +105,15 @@ def predictive_plot(
         for k, a, b in zip(at, low, high, strict=True)
     ]
     marks += [mark("cross", panel.x(k), panel.y(v)) for k, v in zip(at, middle, strict=True)]
+    marks += [
+        mark(
+            "hollow",
+            panel.x(at[k] + 0.25),
+            panel.y(v),
+            data_tip=f"run of the solver at a draw of the posterior\n{digits.number(float(v), 4)}",
+        )
+        for k, v in zip(*runs, strict=True)
+    ]
     marks += [
         mark(
             "filled",

@@ -5,8 +5,10 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surrogate.calibration.posterior import Posterior
+from surrogate.calibration.tested import Tested, sentence
 from surrogate.report import digits
 from surrogate.report.blocks import (
     Block,
@@ -43,7 +45,9 @@ MEANING = (
 
 def section(found: Posterior) -> Section:
     """The answer, warnings, the unknowns, their posteriors, and the measurements."""
-    blocks: list[Block] = [Text(str(found), "lead"), Text(_how(found))]
+    blocks: list[Block] = [Text(str(found), "lead"), Text(f"{_how(found)} {found.convergence}")]
+    if found.tested:
+        blocks.append(Text(sentence(found.tested)))
     if found.notes:
         blocks.append(Points(found.notes, "warning"))
     blocks += [
@@ -123,8 +127,15 @@ def _predictive(found: Posterior, k: int) -> Figure:
         for name in (one.output, f"{one.output}_solver")
     ]
     labels = [found.problem.labels[row] for row in rows]
+    ran = _ran(found.tested[k], rows) if found.tested else None
+    more = "; hollow: runs of the solver at draws of the posterior" if found.tested else ""
     return Figure(
-        predictive_plot(one.output, one.unit, labels, one.values[rows], *drawn),
+        predictive_plot(one.output, one.unit, labels, one.values[rows], *drawn, ran=ran),
         f"{one.output}: measured (dots), 95 % interval of a new measurement (bars), solver at the "
-        "posterior of the inputs (crosses: mean).",
+        f"posterior of the inputs (crosses: mean){more}.",
     )
+
+
+def _ran(one: Tested, rows: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+    """Where among `rows` the solver was run, and its values, (pair,) each."""
+    return np.searchsorted(rows, one.cases), one.solver[one.rows]

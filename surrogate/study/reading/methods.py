@@ -16,7 +16,7 @@ from surrogate.space.space import Space
 from surrogate.stages.fits import Surrogate
 from surrogate.stages.plugin import call, parameters_of
 from surrogate.stages.sensitivity import SensitivityMethod
-from surrogate.stages.solve import design_of
+from surrogate.stages.verified import design_of
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes

@@ -95,15 +95,20 @@ def test_study_without_calibration_says_what_to_add(tmp_path):
     assert "add calibration: {cases: measured.csv, free: [..]}" in found.stderr
 
 
-def test_run_and_calibrate_learn_the_input_that_made_the_measurements(tmp_path):
-    """Kw was 11400 m/year; flow is 0.00704 Kw at L = 1180 m."""
-    solver = Study.from_yaml(study(tmp_path, FREE)).spec.solver
+def measured(folder: Path) -> Path:
+    """A study with measurements made by its solver, Kw being 11400 m/year, error 0.4."""
+    solver = Study.from_yaml(study(folder, FREE)).spec.solver
     nominal = {name: one.nominal for name, one in solver.inputs.items()}
     rows = [(L, solver(**{**nominal, "L": L, "Kw": 11400.0})["flow"]) for L in (1150, 1400, 1650)]
     table = "L,flow,flow_error\n" + "".join(
-        f"{L},{y + d},0.4\n" for (L, y), d in zip(rows, (0.2, -0.3, 0.1), strict=True)
+        f"{L},{y + d},0.4\n" for (L, y), d in zip(rows, (0.4, -0.5, 0.3), strict=True)
     )
-    path = study(tmp_path, FREE + "  draws: 800\n", table)
+    return study(folder, FREE + "  draws: 800\n", table)
+
+
+def test_run_and_calibrate_learn_the_input_that_made_the_measurements(tmp_path):
+    """Kw was 11400 m/year; flow is 0.00704 Kw at L = 1180 m."""
+    path = measured(tmp_path)
     command("run", path, "--quiet", cwd=tmp_path, check=0)
     told = json.loads(command("calibrate", path, "--json", cwd=tmp_path, check=0).stdout)
     kw = told["unknowns"]["Kw"]
@@ -120,3 +125,31 @@ def test_run_and_calibrate_learn_the_input_that_made_the_measurements(tmp_path):
         assert np.isfinite(tree["log_likelihood"]["flow"].values).all()
     inference = sampling.arviz().from_netcdf(folder / "posterior.nc")
     assert {"posterior", "prior", "observed_data", "sample_stats"} <= set(inference.groups())
+
+
+def test_the_solver_puts_the_posterior_to_the_test(tmp_path):
+    """The measurements are the solver's own: they differ from it by their error and no more."""
+    path, folder = measured(tmp_path), tmp_path / "results" / "fall"
+    command("run", path, "--quiet", cwd=tmp_path, check=0)
+    summary = json.loads((folder / "summary.json").read_text())["calibration"]
+    assert summary["verification"] is None and "R-hat is 1.0" in summary["convergence"]
+    words = ("calibrate", path, "--verify", "--workers", 1, "--quiet")
+    found = json.loads(command(*words, "--json", cwd=tmp_path, check=0).stdout)
+    assert found["unknowns"] == summary["unknowns"]
+    flow = found["verified"]["flow"]
+    assert flow["runs"] == 20 and flow["inside"] >= 17 and flow["rmse"] < 0.1
+    assert flow["measured_rms"] == pytest.approx(0.4, rel=0.3)
+    assert flow["expected_rms"] == pytest.approx(0.4)
+    assert "The solver was run at 20 draws" in (folder / "report.html").read_text()
+    fewer = command(*words, "--runs", 5, cwd=tmp_path, check=0).stdout
+    assert "The solver was run at 5 draws of the posterior" in " ".join(fewer.split())
+
+
+def test_runs_at_draws_of_an_earlier_posterior_are_left_out(tmp_path):
+    path, folder = measured(tmp_path), tmp_path / "results" / "fall"
+    command("run", path, "--quiet", cwd=tmp_path, check=0)
+    command("calibrate", path, "--verify", "--workers", 1, "--quiet", cwd=tmp_path, check=0)
+    path.write_text(path.read_text() + "  error: 3\n  seed: 5\n")
+    found = json.loads(command("calibrate", path, "--json", cwd=tmp_path, check=0).stdout)
+    assert found["verification"] is None and found["verified"] == {}
+    assert (folder / "designs" / "verified_calibration.json").exists()
