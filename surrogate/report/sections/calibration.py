@@ -122,15 +122,15 @@ def _predictive(found: Posterior, k: int) -> Figure:
     one = found.problem.measured[k]
     rows = np.flatnonzero(one.known)
     group = found.tree["posterior_predictive"]
-    drawn = [
+    replicates, solver = (
         np.asarray(group[name].values).reshape(-1, len(one.values))[:, rows]
         for name in (one.output, f"{one.output}_solver")
-    ]
+    )
     labels = [found.problem.labels[row] for row in rows]
     ran = _ran(found.tested[k], rows) if found.tested else None
     more = "; hollow: runs of the solver at draws of the posterior" if found.tested else ""
     return Figure(
-        predictive_plot(one.output, one.unit, labels, one.values[rows], *drawn, ran=ran),
+        predictive_plot(one.output, one.unit, labels, one.values[rows], replicates, solver, ran),
         f"{one.output}: measured (dots), 95 % interval of a new measurement (bars), solver at the "
         f"posterior of the inputs (crosses: mean){more}.",
     )
