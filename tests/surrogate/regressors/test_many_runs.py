@@ -121,7 +121,7 @@ def test_memory_does_not_grow_with_the_runs(monkeypatch):
 
 
 LARGE = """
-import resource, time
+import resource
 import numpy as np
 from surrogate.fitting.fit import fit
 from surrogate.regressors.chaos import PolynomialChaos
@@ -131,19 +131,20 @@ from surrogate.space.space import Parameter, Space
 space = Space(tuple(Parameter(f"p{k}", uniform(0, 1)) for k in range(7)))
 x = space.sample(100_000, seed=1)
 y = np.exp(x[:, 0]) * np.sin(2 * x[:, 1]) + 1 / (1.5 + x[:, 2]) + x[:, 3] * x[:, 4] * x[:, 5]
-start = time.process_time()
 fits = [fit(space, x, y, one) for one in (Linear(), Quadratic(), PolynomialChaos())]
-print(time.process_time() - start)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 print(fits[2].q2)
 """
 
 
 @pytest.mark.slow
-def test_a_hundred_thousand_runs_in_ten_seconds_and_a_gigabyte():
-    """Linear, quadratic and polynomial chaos with their left-out errors, in processor time."""
+def test_a_hundred_thousand_runs_in_a_gigabyte():
+    """Linear, quadratic and polynomial chaos with their left-out errors.
+
+    What they cost in time is printed by `benchmarks/surrogates.py many`.
+    """
     said = subprocess.run(
         [sys.executable, "-c", LARGE], capture_output=True, text=True, check=True
     ).stdout
-    seconds, megabytes, q2 = map(float, said.split())
-    assert seconds < 10.0 and megabytes < 1000.0 and q2 > 0.999999
+    megabytes, q2 = map(float, said.split())
+    assert megabytes < 1000.0 and q2 > 0.999999

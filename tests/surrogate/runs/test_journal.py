@@ -221,14 +221,16 @@ def test_reaches_the_disk_within_a_second_but_not_at_each_run(tmp_path, monkeypa
         assert len(synced) == 2 * 6
 
 
-def test_reads_ten_thousand_records_fast(tmp_path):
-    """A hundredth of a millisecond a record is usual; a tenth is too slow to wait for."""
+def test_reading_a_record_costs_little_more_than_its_json(tmp_path):
+    """In processor time, ten thousand of them in the same process."""
     line = json.dumps({**vars(record("k")), "inputs": {f"p{i}": i / 7 for i in range(9)}})
     text = "".join(line.replace('"k"', f'"k{i}"', 1) + "\n" for i in range(10_000))
     (tmp_path / journal.RECORDS).write_text(text)
     start = time.process_time()
-    assert len(read(tmp_path).records) == 10_000
-    assert time.process_time() - start < 1.0
+    decoded = [json.loads(one) for one in text.splitlines()]
+    middle = time.process_time()
+    assert len(read(tmp_path).records) == len(decoded)
+    assert time.process_time() - middle < 10.0 * (middle - start)
 
 
 def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path):
