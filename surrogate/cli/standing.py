@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from surrogate.cli import foresight
 from surrogate.cli.page import Page
 from surrogate.cli.progress import duration
 from surrogate.cli.table import Table
@@ -16,9 +17,13 @@ from surrogate.runs import dataset as rundata
 from surrogate.study.study import Study
 
 
-def check(study: Study, results: Path) -> Page:
-    """Parameters, designs, aliasing, run count, time estimate."""
-    study = study.found(results, spread=False)
+def check(study: Study, results: Path, model: str | None = None, effect: float = 2.0) -> Page:
+    """Parameters, designs, aliasing, precision of polynomials, run count, time estimate.
+
+    model, effect: as in `foresight.foreseen`. With a model, designs are searched for.
+    """
+    study = study.found(results, spread=model is not None)
+    precise = foresight.foreseen(study, model, effect)
     stored, unfound = study.begun(results)
     counts = rundata.counts(stored)
     counts["missing"] += unfound
@@ -45,6 +50,7 @@ def check(study: Study, results: Path) -> Page:
     parts += [Table("designs", ("name", "method", "runs", "of these added"), designs), ""]
     for name, alias in aliases.items():
         parts.append(f"aliasing of {name}: {alias}\n")
+    parts += foresight.pages(precise, effect)
     parts += _constraint_lines(study)
     parts += [f"note: {note}" for note in study.notes]
     parts += [_surrogate_line(study), _runs_line(study, stored, counts, unfound), *study.unused]
@@ -67,6 +73,7 @@ def check(study: Study, results: Path) -> Page:
             }
             for name, a in aliases.items()
         },
+        "precision": foresight.data(precise),
         "broken_constraints": study.broken_constraints,
         "notes": list(study.notes),
         "runs": counts,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,7 @@ class Model:
 
     def __init__(self, space: Space, model: str | Sequence[str]):
         self.parameters = space.parameters
+        self.follows = space.region.dependent if space.region is not None else ()
         self.terms = _terms(space, model)
         highest = max((power for term in self.terms for _, power in term), default=1)
         count = 2 if highest == 1 else 2 * highest + 1
@@ -48,10 +49,47 @@ class Model:
         self.size = self.matrix(np.zeros((1, space.size))).shape[1]
 
     def matrix(self, coded: Array) -> Array:
-        """Model matrix (run, term) of coded points (run, parameter)."""
-        mains = [_main_effects(p, coded[:, j]) for j, p in enumerate(self.parameters)]
-        full = np.hstack([_columns(term, mains, len(coded)) for term in self.terms])
+        """Model matrix (run, term) of coded points (run, parameter).
+
+        Where constraints make terms depend on each other, of combinations that do not.
+        """
+        full = self.full(coded)
         return full if self.basis is None else full @ self.basis
+
+    def full(self, coded: Array) -> Array:
+        """Values (run, column) of the terms themselves, whose columns `named` names."""
+        mains = [_main_effects(p, coded[:, j]) for j, p in enumerate(self.parameters)]
+        return np.hstack([_columns(term, mains, len(coded)) for term in self.terms])
+
+    @property
+    def named(self) -> list[tuple[str, int]]:
+        """Name and order of each column of `full`: `1`, `a`, `a:b`, `a^2`, `bandage[biflex_16]`.
+
+        The order is 0 for the constant, 1 for a main effect, 2 and more for the rest.
+        """
+        return [
+            (":".join(factors) or "1", sum(power for _, power in term))
+            for term, factors in self._column_terms()
+        ]
+
+    @property
+    def independent(self) -> NDArray[np.bool_]:
+        """Which columns of `full` hold no parameter that follows from others by an equality."""
+        return np.array(
+            [all(j not in self.follows for j, _ in term) for term, _ in self._column_terms()]
+        )
+
+    def _column_terms(self) -> Iterator[tuple[Term, tuple[str, ...]]]:
+        """The term of each column of `full`, and the names of its factors."""
+        for term in self.terms:
+            for factors in itertools.product(*(self._factors(j, power) for j, power in term)):
+                yield term, factors
+
+    def _factors(self, j: int, power: int) -> list[str]:
+        parameter = self.parameters[j]
+        if parameter.categorical:
+            return [f"{parameter.name}[{level}]" for level in parameter.levels[:-1]]
+        return [parameter.name + (f"^{power}" if power > 1 else "")]
 
     def moments(self) -> Array:
         """Mean (term, term) of f f' over the ranges, f being the row of a point.

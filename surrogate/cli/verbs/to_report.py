@@ -32,9 +32,22 @@ def new(
 
 @app.command()
 def check(
-    study: StudyFile, results_dir: Results = None, as_json: AsJson = False, quiet: Quiet = False
+    study: StudyFile,
+    model: Annotated[
+        str | None,
+        typer.Option(
+            metavar="MODEL",
+            help="Precision of linear, interactions, quadratic or 'a, b, a:b' on every design.",
+        ),
+    ] = None,
+    effect: Annotated[
+        float, typer.Option(help="Effect to find, in standard deviations of the error.")
+    ] = 2.0,
+    results_dir: Results = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Show parameters, designs, aliasing, number of runs and time. Runs nothing.
+    """Show parameters, designs, aliasing, precision, runs and time. Runs nothing.
 
     A study is code: reading it loads and builds the solver that it names, and loads the
     modules beside it. Check only studies of people you trust.
@@ -42,7 +55,7 @@ def check(
     from surrogate.cli import results, standing
 
     loaded = read(study)
-    page = standing.check(loaded, results.folder_of(loaded, results_dir))
+    page = standing.check(loaded, results.folder_of(loaded, results_dir), model, effect)
     show(page, as_json, hidden=quiet)
 
 
