@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 COUNT = 1000
 #: Candidates nearer than this to a point so far, in coded units, are that point.
 APART = 1e-4
+#: Farthest coded value of an unbounded parameter: the quantile of 0.99995.
+FAR = 0.9999
 #: Steps, in coded units, to the candidates near the best ones; how many best ones, how many each.
 STEPS, LEADING, NEAR = (0.2, 0.05), 5, 40
 
@@ -38,7 +40,8 @@ def around(space: Space, best: Array, step: float, *, seed: int) -> Array:
     points = np.repeat(best, NEAR, axis=0)
     moves = [not p.categorical for p in space.parameters]
     points[:, moves] += step * rng.standard_normal((len(points), sum(moves)))
-    points = space.snap(np.clip(points, -1.0, 1.0))
+    ends = np.array([1.0 if p.bounded else FAR for p in space.parameters])
+    points = space.snap(np.clip(points, -ends, ends))
     if space.region is not None:
         points, inside = space.region.moved(points)
         points = space.snap(points[inside])

@@ -48,8 +48,13 @@ def is_due(rule: Rule, reviews: Sequence[Review], ended: int) -> bool:
     return ended >= min(last + max(EVERY, int(SHARE * last)), rule.until.runs) and ended > last
 
 
-def reason(rule: Rule, reviews: Sequence[Review], rows: int) -> str:
-    """Why the design, with so many rows, takes no more points; "" while it does."""
+def reason(rule: Rule, reviews: Sequence[Review], rows: int, closed: bool = False) -> str:
+    """Why the design, with so many rows, takes no more points; "" while it does.
+
+    closed: no allowed point is left
+    """
+    if closed:
+        return NOTHING_LEFT
     if reviews and rule.until.reaches(reviews[-1].figure):
         return REACHED
     if rows >= rule.until.runs:

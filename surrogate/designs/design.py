@@ -31,6 +31,7 @@ class Design(Carded):
               to judge before a run but their number
     identity  equal for designs of equal method, options, augmentations and space
     replicates  how often each point stands in the rows
+    chosen    number of rows at the end that followed from answers (adaptive designs)
     """
 
     name: str
@@ -43,6 +44,7 @@ class Design(Carded):
     spread: bool = False
     identity: str = ""
     replicates: int = 1
+    chosen: int = 0
 
     @property
     def _card(self) -> Card:
@@ -51,6 +53,7 @@ class Design(Carded):
             "runs": self.runs,
             "options": ", ".join(f"{word}={value}" for word, value in self.options.items()),
             "added": ", ".join(f"{count} by {name}" for name, count in self.added),
+            "chosen": str(self.chosen) * bool(self.chosen),
             "points": "" if self.at_hand else "not searched for yet",
         }
         return Card("Design", self.name, facts)
@@ -70,6 +73,16 @@ class Design(Carded):
         design = replace(self, rows=len(coded))
         design.__dict__["coded"] = coded
         return design
+
+    @property
+    def initial(self) -> NDArray[np.float64]:
+        """The points (run, parameter) that followed from no answer."""
+        return self.coded[: len(self.coded) - self.chosen]
+
+    def with_chosen(self, coded: NDArray[np.float64]) -> Design:
+        """The same initial points, and these behind them."""
+        found = replace(self, chosen=len(coded))
+        return found.with_points(np.vstack([self.initial, coded]))
 
     def repeated(self, times: int) -> Design:
         """The same design with each point `times` times, one after the other."""

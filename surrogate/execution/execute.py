@@ -21,6 +21,7 @@ from surrogate.execution.attempts import finished_runs
 from surrogate.execution.backend import Backend, RunSettings, Start, cores
 from surrogate.execution.executors.futures import in_executor
 from surrogate.execution.executors.local import local
+from surrogate.execution.growth import Growth
 from surrogate.execution.handle import Task
 from surrogate.execution.memory import KNOWN
 from surrogate.execution.progress import Progress, Tally
@@ -51,6 +52,7 @@ def execute(
     executor: Executor | Start | None = None,
     memory: float | None = None,
     progress: Callable[[Progress], None] | None = None,
+    growth: Growth | None = None,
 ) -> Progress:
     """Run the solver at each row of `columns` that the journal does not have; return the tally.
 
@@ -74,6 +76,7 @@ def execute(
                up and its place in the executor stays taken
     memory     bytes that a run may use with all that it starts; one above it is killed
     progress   called with a `Progress` at the start and after each run
+    growth     adds runs as answers come, whenever a place is free
 
     A first Ctrl-C waits for the runs under way, a second one or SIGTERM stops at once. Raises
     KeyboardInterrupt then, when all that was finished is kept;
@@ -89,17 +92,23 @@ def execute(
         missing = to_do(runs, KnownRuns(book.contents, given, wanted), timeout, rerun)
         missing = _adopt(book, missing, wanted, others)
         queue = deque(Task(key, runs[key]) for key in missing)
-        if executor is None:
+        if executor is None and growth is None:
             workers = min(workers or cores(), max(1, len(queue)))
-        tally = Tally(Progress(len(runs)), workers or cores(), progress or (lambda _: None))
-        known = KnownRuns(book.contents, given, wanted).records
-        tally.start([known[key] for key in runs.keys() - set(missing)])
+        ahead = growth.ahead if growth else 0
+        total = Progress(len(runs) + ahead, ahead=ahead)
+        tally = Tally(total, workers or cores(), progress or (lambda _: None))
+        known = KnownRuns(book.contents, given, wanted)
+        tally.start([known.records[key] for key in runs.keys() - set(missing)])
+        grow = _Growing(growth, known, queue, workers or cores(), tally) if growth else None
+        if grow:
+            grow.on()
         if queue:
             settings = RunSettings(
                 spec, wanted, workers, threads, timeout, memory, retries, book.folder.parent
             )
             with stop_on_signals() as stop:
-                _record(_starter(executor)(settings), settings, stop, queue, book, tally)
+                backend = _starter(executor)(settings)
+                _record(backend, settings, stop, queue, book, tally, grow)
                 if stop.finish:
                     raise KeyboardInterrupt(
                         f"stopped: {tally.now.done} of {tally.now.total} runs "
@@ -198,6 +207,7 @@ def _record(
     queue: deque[Task],
     book: Journal,
     tally: Tally,
+    grow: _Growing | None,
 ) -> None:
     """Write what the backend gives into the journal."""
     for finished in finished_runs(backend, settings, queue, stop):
@@ -211,6 +221,52 @@ def _record(
             record = _with_earlier(record, book.records.get(record.key))
         book.append(record, fields)
         tally.add(record)
+        if grow:
+            grow.ended(record.key, stop)
+
+
+class _Growing:
+    """Puts the runs that a growth adds into the queue.
+
+    under_way  keys of runs in the queue or begun
+    """
+
+    def __init__(
+        self, growth: Growth, known: KnownRuns, queue: deque[Task], places: int, tally: Tally
+    ) -> None:
+        self.growth, self.known, self.queue, self.places = growth, known, queue, places
+        self.tally, self.under_way = tally, {task.key for task in queue}
+
+    def ended(self, key: str, stop: Stop) -> None:
+        """A run has ended: its place is free."""
+        self.under_way.discard(key)
+        if not stop.finish:
+            self.on()
+
+    def on(self) -> None:
+        """Add runs for the places that are free; those that are known already free it again."""
+        while True:
+            added = self.growth.more(self._find, max(self.places - len(self.under_way), 0))
+            known = [record for key in added if (record := self._find(key)) is not None]
+            self.tally.grow(len(added), known, self.growth.ahead)
+            over = {record.key for record in known}
+            new = [Task(key, call) for key, call in added.items() if key not in over]
+            self.queue.extend(new)
+            self.under_way |= {task.key for task in new}
+            if new or not added:
+                return
+
+    def _find(self, key: str) -> Record | None:
+        return found(self.known, key)
+
+
+def found(known: KnownRuns, key: str) -> Record | None:
+    """The record of a run that has ended with an answer, or without one for good."""
+    for records in (known.journal.records, known.given.records):
+        record = records.get(key)
+        if record is not None and record.answers(known.wanted) and not record.lost:
+            return record
+    return None
 
 
 def _with_earlier(record: Record, earlier: Record | None) -> Record:

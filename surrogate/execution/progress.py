@@ -30,6 +30,7 @@ class Progress:
     seconds_left  estimate from the runs of this time and of earlier times
     last          the run that just ended
     finishing     runs under way that are waited for after Ctrl-C; None as long as runs start
+    ahead         of the total, runs that a design which grows may still ask for
     """
 
     total: int
@@ -39,6 +40,7 @@ class Progress:
     seconds_left: float | None = None
     last: Record | None = None
     finishing: int | None = None
+    ahead: int = 0
 
 
 class Tally:
@@ -81,6 +83,20 @@ class Tally:
             failed=self.now.failed + (record.status != "ok"),
         )
         self._tell()
+
+    def grow(self, added: int, known: list[Record], ahead: int) -> None:
+        """Count runs that a design has added, of which some are known; ahead: may still come."""
+        now, failed = self.now, sum(record.status != "ok" for record in known)
+        self.now = replace(
+            now,
+            total=now.total - now.ahead + added + ahead,
+            ahead=ahead,
+            reused=now.reused + len(known),
+            done=now.done + len(known),
+            failed=now.failed + failed,
+        )
+        if known or now.total != self.now.total:
+            self._tell()
 
     def finish(self, under_way: int) -> None:
         """No more runs start; those under way are waited for."""

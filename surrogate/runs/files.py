@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import tempfile
 from contextlib import suppress
 from pathlib import Path
@@ -37,6 +38,39 @@ def write_bytes(path: str | Path, content: bytes | memoryview, *, sync: bool = T
         if temporary is not None:
             with suppress(FileNotFoundError):
                 os.unlink(temporary)
+
+
+def write_new(path: str | Path, text: str) -> bool:
+    """Write a new file, whole or not at all; False when it is there already, which stays.
+
+    Of several processes that write the same file at once one does.
+    """
+    path = Path(path)
+    whole = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    write_text(whole, text)
+    try:
+        os.link(whole, path)
+    except FileExistsError:
+        return False
+    except OSError:  # a folder without links: one process makes the file, and then fills it
+        if not _claimed(path):
+            return False
+        os.replace(whole, path)
+    finally:
+        with suppress(FileNotFoundError):
+            os.unlink(whole)
+    return True
+
+
+def _claimed(path: Path) -> bool:
+    """True when this process has made the file."""
+    try:
+        os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+    except FileExistsError:
+        return False
+    except OSError as error:
+        raise ResultsError(f"cannot write {path}: {error.strerror or error}") from error
+    return True
 
 
 def write_text(path: str | Path, text: str, *, sync: bool = True) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,11 +14,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from surrogate.adaptive.aim import Rule
+from surrogate.adaptive.kept import State
+from surrogate.adaptive.outcome import ATTRIBUTE, Outcome, outcome, outcome_data
 from surrogate.designs.design import Design
 from surrogate.errors import ResultsError, StudyError
 from surrogate.execution.backend import Start
 from surrogate.execution.execute import execute
 from surrogate.execution.fresh import execute_fresh
+from surrogate.execution.growth import Growth
 from surrogate.execution.progress import Progress
 from surrogate.execution.shared.claims import at_work
 from surrogate.execution.shared.work import Shared, work
@@ -32,6 +36,7 @@ from surrogate.runs.journal import read as read_journal
 from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
 from surrogate.space.space import Space
 from surrogate.stages import written
+from surrogate.study.grown_designs import kept, states
 from surrogate.study.kept_designs import RUNS, keep, recall
 from surrogate.study.parts.execution import ExecutionPart
 
@@ -45,6 +50,7 @@ class AskedRuns:
 
     folder   results folder of the study
     designs  with those points that were found by search before, see `kept_designs`
+    rules    of adaptive designs, by name
     text     the study as written, for the runs dataset
     notes    what was guessed of the study's data and what was left out
     """
@@ -58,13 +64,38 @@ class AskedRuns:
     stored_runs: tuple[StoredRuns, ...]
     text: str
     notes: tuple[str, ...] = ()
+    rules: Mapping[str, Rule] = field(default_factory=dict)
 
     def recalled(self) -> AskedRuns:
         """The same with the points that were found before: a design does not move once begun."""
         if all(design.at_hand for design in self.designs.values()):
-            return self
+            return self.grown()
         stored = [file.runs for file in self.stored_runs]
-        return replace(self, designs=recall(self.designs, self.folder, stored, self.spec.solver))
+        found = recall(self.designs, self.folder, stored, self.spec.solver)
+        return replace(self, designs=found).grown()
+
+    @property
+    def states(self) -> dict[str, State]:
+        """What each adaptive design has chosen and found, as the folder holds it now."""
+        stored = [file.runs for file in self.stored_runs]
+        return states(self.rules, self.designs, self.folder, stored)
+
+    @property
+    def outcomes(self) -> dict[str, Outcome]:
+        """How far each adaptive design is."""
+        return {
+            name: outcome(self.rules[name], len(self.designs[name].initial), state)
+            for name, state in self.states.items()
+        }
+
+    def grown(self) -> AskedRuns:
+        """The same with the points that adaptive designs have chosen since."""
+        new = {
+            name: self.designs[name].with_chosen(state.points)
+            for name, state in (self.states if self.rules else {}).items()
+            if len(state.points) != self.designs[name].chosen
+        }
+        return replace(self, designs={**self.designs, **new}) if new else self
 
     @property
     def at_hand(self) -> AskedRuns:
@@ -184,7 +215,14 @@ class AskedRuns:
             stored=canonical(known.origins(run_keys)),
             damaged=canonical(journal.told),
             **({"notes": "\n".join(self.notes)} if self.notes else {}),
+            **self._told,
         )
+
+    @property
+    def _told(self) -> dict[str, str]:
+        """Attributes that tell of adaptive designs."""
+        found = {name: outcome_data(one) for name, one in self.outcomes.items()}
+        return {ATTRIBUTE: canonical(found)} if found else {}
 
     def do(
         self,
@@ -196,12 +234,13 @@ class AskedRuns:
         fresh: bool,
         progress: Callable[[Progress], None] | None,
         tell: Callable[[str], None],
+        growth: Growth | None = None,
     ) -> JournalContents:
         """Do the runs that neither journal, nor neighbours, nor stored files have.
 
         fresh: all of them, taking nothing over but the rows of a table. tell: hears a sentence
-        of each damaged record. The other words are those of `execute`. Of a solver whose
-        answers are told none is done; raises `StudyError` for `fresh` then. A table in place
+        of each damaged record. growth: adds runs of adaptive designs. The other words are
+        those of `execute`. Of a solver whose answers are told none is done; raises `StudyError` for `fresh` then. A table in place
         of a solver has all runs that it can have. Returns what the journal holds then.
         """
         if self.spec.recorded:
@@ -213,7 +252,7 @@ class AskedRuns:
                     "change its version to ask for all of them again"
                 )
             return read_journal(self.journal)
-        keep(self.designs, self.folder)
+        self.keep()
         how: dict[str, Any] = {
             "constants": self.constants,
             "outputs": self.outputs,
@@ -229,7 +268,8 @@ class AskedRuns:
         if isinstance(executor, Shared):
             if fresh:
                 raise StudyError("--fresh is for one worker; choose executor: local for it")
-            work(self.spec, columns, journal=self.journal, **how, **taken, lease=executor.lease)
+            how |= {"growth": growth, "lease": executor.lease}
+            work(self.spec, columns, journal=self.journal, **how, **taken)
             return read_journal(self.journal)
         busy = at_work(self.journal)
         if busy:
@@ -243,9 +283,16 @@ class AskedRuns:
             if fresh:
                 tables = self.matching(file for file in self.stored_runs if file.tabulated)
                 execute_fresh(self.spec, columns, book, **how, given=tables, executor=executor)
-            else:
-                execute(self.spec, columns, journal=book, **how, **taken, executor=executor)
+            if growth or not fresh:
+                how |= {"growth": growth, "executor": executor}
+                execute(self.spec, columns, journal=book, **how, **taken)
             return book.now
+
+    def keep(self) -> None:
+        """Write the points of searches and of adaptive designs into the folder, once."""
+        keep(self.designs, self.folder)
+        for name, state in self.states.items() if self.rules else ():
+            kept(self.folder, self.rules[name]).write(len(self.designs[name].initial), state)
 
     def _neighbours(self) -> list[Path]:
         """Journals of other studies beside this one's results."""

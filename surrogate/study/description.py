@@ -9,6 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from surrogate.adaptive.aim import Rule
 from surrogate.calibration.problem import Problem as Calibration
 from surrogate.card import Card, Carded, Rows
 from surrogate.designs.aliasing import Aliasing
@@ -38,8 +39,8 @@ class Description(Carded):
     """What a study file says, as objects.
 
     constants are in the solver's units; inputs that are neither parameters nor
-    constants keep the solver's nominal value. notes tell what was guessed of the study's
-    data and what was left out.
+    constants keep the solver's nominal value. rules are those of adaptive designs, by name.
+    notes tell what was guessed of the study's data and what was left out.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Description(Carded):
     constants: Mapping[str, float | str]
     outputs: tuple[str, ...]
     designs: Mapping[str, Design]
+    rules: Mapping[str, Rule]
     surrogates: Mapping[str, Surrogate]
     sensitivity_method: SensitivityMethod | None
     screening_rule: ScreeningRule | None

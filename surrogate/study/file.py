@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from surrogate.errors import KeyPath, Mistake, nearest
+from surrogate.study.parts.adaptive import AdaptivePart, AdaptiveUntilPart
 from surrogate.study.parts.credibility import CredibilityPart, EvidencePart
 from surrogate.study.parts.data import DataOutputPart, DataPart, DataTestPart
 from surrogate.study.parts.execution import ExecutionPart
@@ -23,7 +24,7 @@ from surrogate.study.parts.methods import (
     ValidationPart,
 )
 from surrogate.study.parts.solve import DesirePart, SolvePart, TargetPart
-from surrogate.study.parts.study import StudyPart
+from surrogate.study.parts.study import KINDS_OF_DESIGN, StudyPart
 
 #: Sections whose entries are checked one by one: a broken entry leaves the others standing.
 _SECTIONS = ("parameters", "constants", "designs", "surrogates", "solve")
@@ -54,7 +55,10 @@ def read(data: Any) -> tuple[StudyPart | None, list[Mistake], set[KeyPath]]:
         try:
             return StudyPart.model_validate(left), mistakes, broken
         except ValidationError as error:
-            items = [item for item in error.errors() if not _covered(item["loc"], broken)]
+            found: list[dict[str, Any]] = [
+                {**item, "loc": _as_written(item["loc"])} for item in error.errors()
+            ]
+            items = [item for item in found if not _covered(item["loc"], broken)]
             if not items:  # what is left is wrong because of what was left out
                 return None, mistakes, broken
             mistakes += [_mistake(item) for item in items]
@@ -62,6 +66,12 @@ def read(data: Any) -> tuple[StudyPart | None, list[Mistake], set[KeyPath]]:
             broken |= removed
             for path in removed:
                 _leave_out(left, path)
+
+
+def _as_written(path: KeyPath) -> KeyPath:
+    """The path without the tag by which pydantic tells kinds of designs."""
+    tagged = path[:1] == ("designs",) and len(path) > 2 and path[2] in KINDS_OF_DESIGN
+    return (*path[:2], *path[3:]) if tagged else tuple(path)
 
 
 def _keys_that_are_no_text(part: Any, path: KeyPath) -> Iterator[Mistake]:
@@ -190,6 +200,8 @@ def _keys_at(path: KeyPath) -> list[str]:
         return list((DataTestPart if path[1] == "test" else DataOutputPart).model_fields)
     if path[:1] == ("solve",) and len(path) > 2:
         return list((TargetPart if path[2] == "target" else DesirePart).model_fields)
+    if path[:1] == ("designs",) and len(path) > 2:
+        return list((AdaptiveUntilPart if path[2] == "until" else DesignPart).model_fields)
     if path == ("learning", "until"):
         return list(UntilPart.model_fields)
     if path[:1] == ("credibility",) and len(path) > 1:
@@ -201,7 +213,7 @@ def _keys_at(path: KeyPath) -> list[str]:
         "data": DataPart,
         "parameters": ParameterPart,
         "constants": ConstantPart,
-        "designs": DesignPart,
+        "designs": AdaptivePart,  # the others take any key: their options
         "surrogates": SurrogatePart,
         "sensitivity": SensitivityPart,
         "screening": ScreeningPart,

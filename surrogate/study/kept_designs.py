@@ -24,6 +24,7 @@ from surrogate.runs import dataset as rundata
 from surrogate.runs.files import write_text
 from surrogate.solver import Solver
 from surrogate.study import file as studyfile
+from surrogate.study.parts.adaptive import ADAPTIVE
 from surrogate.study.reading.designs import designs_of
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.parameters import space_of
@@ -45,8 +46,8 @@ def keep(designs: Mapping[str, Design], results: Path) -> None:
             content = {
                 "method": design.method,
                 "options": dict(design.options),
-                "digest": _digest(design.coded),
-                "coded": design.coded.tolist(),
+                "digest": _digest(design.initial),
+                "coded": design.initial.tolist(),
             }
             write_text(path, json.dumps(content))
 
@@ -98,10 +99,15 @@ def _points_in(runs: xr.Dataset, solver: Solver) -> dict[str, Coded]:
     designs = designs_of(notes, space_of(notes, solver))
     names, coded = runs["design"].values.astype(str), runs["coded"].values
     return {
-        design.identity: coded[names == name]
+        design.identity: coded[names == name][: design.rows]
         for name, design in designs.items()
-        if design.searched and (names == name).sum() == design.rows
+        if design.searched and _holds(design, int((names == name).sum()))
     }
+
+
+def _holds(design: Design, rows: int) -> bool:
+    """Whether so many rows are those of a design; an adaptive one has grown."""
+    return rows >= design.rows if design.method == ADAPTIVE else rows == design.rows
 
 
 def _path(results: Path, identity: str) -> Path:

@@ -33,6 +33,7 @@ from surrogate.stages.screening import screening
 from surrogate.stages.validation import validation
 from surrogate.study import reading
 from surrogate.study.asked_runs import AskedRuns
+from surrogate.study.growing import Growing
 from surrogate.study.reading import fields_of
 from surrogate.study.source import Source, read_file, read_text
 from surrogate.study.verified_points import kept
@@ -87,7 +88,9 @@ class Study(Description):
                 self.stored_runs,
                 self.text,
                 self.notes,
+                self.rules,
             ).recalled()
+        self._asked[folder] = self._asked[folder].grown()
         return self._asked[folder]
 
     @cached_property
@@ -184,8 +187,9 @@ class Study(Description):
             fresh=fresh,
             progress=progress,
             tell=tell,
+            growth=Growing(asked) if self.rules else None,
         )
-        return asked.dataset(journal)
+        return asked.grown().dataset(journal)
 
     def fit(self, runs: xr.Dataset) -> dict[str, dict[str, Fit]]:
         """Every surrogate fitted to every output: surrogate -> output -> Fit.

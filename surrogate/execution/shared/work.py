@@ -22,8 +22,9 @@ from surrogate.errors import Mistake, ResultsError
 from surrogate.execution.attempts import finished_runs
 from surrogate.execution.backend import RunSettings, cores
 from surrogate.execution.clock import TICK
-from surrogate.execution.execute import check, to_do
+from surrogate.execution.execute import check, found, to_do
 from surrogate.execution.executors.local import local
+from surrogate.execution.growth import Growth
 from surrogate.execution.handle import Task
 from surrogate.execution.progress import Progress, Tally
 from surrogate.execution.shared.claims import ENDED, LEASE, SIGNS, SharedFolder, Watch
@@ -77,6 +78,7 @@ def work(
     progress: Callable[[Progress], None] | None = None,
     lease: float = LEASE,
     shared: SharedFolder | None = None,
+    growth: Growth | None = None,
 ) -> Progress:
     """As `execute`, side by side with others that do the same; ends when all runs are done.
 
@@ -84,6 +86,7 @@ def work(
     lease    seconds without a sign of life after which a worker counts as gone: longer than
              the folder takes to show what another machine wrote
     shared   the folder as this worker sees it; default: that of `journal`
+    growth   adds runs as answers come, and tells of those that other workers have added
     """
     check(workers, threads, timeout, retries, rerun, memory)
     wanted, given = spec.wanted(outputs), given or StoredMatches()
@@ -91,18 +94,22 @@ def work(
     runs = dict(zip(keys(spec, asked), asked, strict=True))
     shared = shared or SharedFolder(Path(journal))
     _keep_clear_of_a_run(shared.folder)
-    found = KnownRuns(shared.contents(), given, wanted)
-    known, missing = found.records, to_do(runs, found, timeout, rerun)
-    places = min(workers or cores(), max(1, len(missing)))
+    stored = KnownRuns(shared.contents(), given, wanted)
+    known, missing = stored.records, to_do(runs, stored, timeout, rerun)
+    places = workers or cores()
+    if growth is None:
+        places = min(places, max(1, len(missing)))
     settings = RunSettings(spec, wanted, places, threads, timeout, memory, retries)
-    tally = Tally(Progress(len(runs)), places, progress or (lambda _: None))
+    ahead = growth.ahead if growth else 0
+    total = Progress(len(runs) + ahead, ahead=ahead)
+    tally = Tally(total, places, progress or (lambda _: None))
     tally.start([known[key] for key in runs.keys() - set(missing)])
-    if missing:
+    if missing or ahead:
         before = {key: known[key].finished for key in missing if key in known}
         member = Member(shared, Watch(shared, lease), runs, deque(missing), before)
         with stop_on_signals() as stop, Segment(shared.folder, member.name) as segment:
             try:
-                _Worker(settings, member, segment, tally, others).work(stop)
+                _Worker(settings, member, segment, tally, others, given, growth).work(stop)
             finally:
                 member.leave(segment.length)
             if stop.finish:
@@ -138,7 +145,7 @@ class Member:
 
     shared: SharedFolder
     watch: Watch
-    runs: Mapping[str, RunInputs]
+    runs: dict[str, RunInputs]
     untried: deque[str]
     before: Mapping[str, float]
     mine: dict[str, int] = field(default_factory=dict)
@@ -228,7 +235,10 @@ class _Worker:
     segment: Segment
     tally: Tally
     others: Iterable[str | Path]
+    given: StoredMatches
+    growth: Growth | None = None
     _looked: float = 0.0
+    _grown: float = -LOOK_SECONDS
     _pause: float = LOOK_SECONDS
 
     def __post_init__(self) -> None:
@@ -240,7 +250,7 @@ class _Worker:
     def work(self, stop: Stop) -> None:
         """Do runs until none is left, or as `stop` asks."""
         member = self.member
-        while not stop.finish and (member.untried or member.theirs or member.mine):
+        while not stop.finish and (member.untried or member.theirs or member.mine or self._grow()):
             member.live()
             queue: deque[Task] = deque()
             self._fill(queue)
@@ -267,6 +277,8 @@ class _Worker:
     def _fill(self, queue: deque[Task]) -> None:
         """Claim as many runs as this worker should have."""
         most = self._most()
+        if self.growth and time.monotonic() - self._grown >= LOOK_SECONDS:
+            self._grow()
         self._add(queue, self.member.claim(most))
         now = time.monotonic()
         if self.member.theirs and now - self._looked >= self._pause:
@@ -276,6 +288,22 @@ class _Worker:
                 self._add(queue, self.member.take_over(most))
             self._looked = time.monotonic()
             self._pause = max(LOOK_SECONDS, 10 * (self._looked - now))
+
+    def _grow(self) -> bool:
+        """Take in the runs that a growing design has added, here or elsewhere; True for some."""
+        if self.growth is None:
+            return False
+        member, places = self.member, self.settings.places or 1
+        known = KnownRuns(member.shared.contents(), self.given, self.settings.wanted)
+        free = 0 if member.untried else max(places - len(member.mine), 0)
+        added = self.growth.more(lambda key: found(known, key), free)
+        ended = [record for key in added if (record := found(known, key)) is not None]
+        self.tally.grow(len(added), ended, self.growth.ahead)
+        member.runs.update(added)
+        over = {record.key for record in ended}
+        member.untried.extend(key for key in added if key not in over)
+        self._grown = time.monotonic()
+        return bool(added)
 
     def _add(self, queue: deque[Task], claimed: Iterator[str]) -> None:
         for key in claimed:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Discriminator, Field, Tag
 
+from surrogate.study.parts.adaptive import ADAPTIVE, AdaptivePart
 from surrogate.study.parts.calibration import CalibrationPart
 from surrogate.study.parts.credibility import CredibilityPart
 from surrogate.study.parts.data import DataPart
@@ -26,6 +27,20 @@ from surrogate.study.parts.values import Name, Texts
 
 def _asked(value: Any) -> Any:
     return {} if value is None else value
+
+
+def _kind_of_design(value: Any) -> str:
+    method = value.get("method") if isinstance(value, dict) else getattr(value, "method", None)
+    return ADAPTIVE if method == ADAPTIVE else GIVEN
+
+
+#: Tags of designs: points that follow from answers, and points that do not.
+GIVEN = "given"
+KINDS_OF_DESIGN = (ADAPTIVE, GIVEN)
+AnyDesign = Annotated[
+    Annotated[AdaptivePart, Tag(ADAPTIVE)] | Annotated[DesignPart, Tag(GIVEN)],
+    Discriminator(_kind_of_design),
+]
 
 
 class StudyPart(Part):
@@ -77,7 +92,7 @@ class StudyPart(Part):
         description="Outputs that are analysed. Default: all of the solver's.",
         examples=[["peak_stress"]],
     )
-    designs: dict[Name, DesignPart] = Field(
+    designs: dict[Name, AnyDesign] = Field(
         {},
         description="Where to run the solver. Surrogates learn from the design train, unless "
         "they name others; test is held out.",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import zlib
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -21,6 +22,7 @@ from surrogate.stages.plugin import call, parameters_of
 from surrogate.study import plugins
 from surrogate.study.kinds import check_kind
 from surrogate.study.options import option_mistakes
+from surrogate.study.parts.adaptive import AdaptivePart
 from surrogate.study.parts.methods import AugmentPart, DesignPart
 from surrogate.study.reading.mistakes import Reading
 
@@ -31,12 +33,16 @@ GIVEN_TO_DESIGNS = ("space", "coded", "folder")
 def designs_of(reading: Reading, space: Space | None) -> dict[str, Design]:
     """Every design; those that are no search with their points, augmentations included.
 
-    Of a search the options are checked and the points counted. Without a space, methods and
-    options are checked all the same.
+    An adaptive design has its initial points. Of a search the options are checked and the
+    points counted. Without a space, methods and options are checked all the same.
     """
     designs = {}
     for name, part in reading.part.designs.items():
-        design = _design(reading, space, name, part)
+        if isinstance(part, AdaptivePart):
+            design = _design(reading, space, name, part.initial, "initial")
+            design = design and replace(design, method=part.method)
+        else:
+            design = _design(reading, space, name, part)
         if design is not None:
             designs[name] = design
     needed = not reading.part.designs and reading.part.data is None
@@ -72,8 +78,11 @@ def searched(designs: Iterable[Design]) -> list[Mistake]:
     return mistakes
 
 
-def _design(reading: Reading, space: Space | None, name: str, part: DesignPart) -> Design | None:
-    path = ("designs", name)
+def _design(
+    reading: Reading, space: Space | None, name: str, part: DesignPart, *below: str
+) -> Design | None:
+    """The design called `name`; below: where its part stands within the entry of this name."""
+    path = ("designs", name, *below)
     first = _method(reading, plugins.DESIGNS, part, path)
     more = [
         _method(reading, plugins.AUGMENTATIONS, addition, (*path, "augment", index))

@@ -11,6 +11,7 @@ from surrogate.runs.identity import SolverSpec
 from surrogate.solver import Solver
 from surrogate.stages.screening import ScreeningRule
 from surrogate.study import file as studyfile
+from surrogate.study.reading.adaptive import rules_of
 from surrogate.study.reading.calibration import calibration_of
 from surrogate.study.reading.constants import constants_of
 from surrogate.study.reading.data import Data, columns_of, data_of, described, recorded_of
@@ -63,6 +64,9 @@ def fields_of(
         "sensitivity_method": sensitivity_of(notes, space),
         "execution": part.execution,
     }
+    fields["rules"] = (
+        rules_of(notes, designs, spec, space, fields["outputs"], constants) if solver else {}
+    )
     check_execution(notes)
     if solver:
         check_screening(notes, fields["outputs"])

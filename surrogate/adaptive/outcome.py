@@ -1,0 +1,101 @@
+"""How far an adaptive design is, or why it ended, in words and as data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from surrogate.adaptive.aim import NAMES, OPTIMUM, PROBABILITY, Review, Rule
+from surrogate.adaptive.judge import NO_IMPROVEMENT, NOTHING_LEFT, REACHED, USED_UP, reason
+from surrogate.adaptive.kept import State, as_data, from_data
+
+#: The attribute of a runs dataset that holds the outcomes of its adaptive designs.
+ATTRIBUTE = "adaptive"
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """An adaptive design as it stands.
+
+    aim, kind  in words, and which of the five
+    identity   of its rule
+    initial    runs before the first choice, rows: all, most: at most
+    figure     what is judged, goal: that it must reach, NaN for none
+    ended      why it takes no more points; "" while it does
+    """
+
+    aim: str
+    kind: str
+    identity: str
+    initial: int
+    rows: int
+    most: int
+    figure: str
+    goal: float
+    reviews: tuple[Review, ...]
+    ended: str
+
+    @property
+    def last(self) -> float:
+        """The figure of the last review; NaN without one."""
+        return self.reviews[-1].figure if self.reviews else math.nan
+
+    def __str__(self) -> str:
+        parts = [f"{self.rows} of at most {self.most} runs, aim: {self.aim}"]
+        if math.isfinite(self.last):
+            parts.append(self._judged)
+        if self.ended:
+            parts.append(f"ended: {self._why}")
+        return "; ".join(parts)
+
+    @property
+    def _judged(self) -> str:
+        goal = f" (goal {self.goal:g})" if math.isfinite(self.goal) else ""
+        estimate = self.reviews[-1].estimate
+        found = {OPTIMUM: "best value", PROBABILITY: "probability"}.get(self.kind)
+        first = f"{found} {estimate:.4g}, " if found and math.isfinite(estimate) else ""
+        return f"{first}{NAMES[self.figure]} {self.last:.3g}{goal}"
+
+    @property
+    def _why(self) -> str:
+        missed = ", the goal is not reached" if math.isfinite(self.goal) else ""
+        return {
+            REACHED: "the goal is reached",
+            USED_UP: f"the runs are used up{missed}",
+            NO_IMPROVEMENT: f"the figure does not improve any more{missed}",
+            NOTHING_LEFT: f"no allowed point is left{missed}",
+        }[self.ended]
+
+
+def outcome(rule: Rule, initial: int, state: State) -> Outcome:
+    """The outcome of a design with so many initial points."""
+    rows, goal = initial + len(state.points), rule.until.value
+    return Outcome(
+        str(rule.aim),
+        rule.aim.kind,
+        rule.identity,
+        initial,
+        rows,
+        rule.until.runs,
+        rule.until.figure,
+        math.nan if goal is None else goal,
+        state.reviews,
+        reason(rule, state.reviews, rows, state.closed),
+    )
+
+
+def outcome_data(found: Outcome) -> dict[str, Any]:
+    """The outcome as JSON data."""
+    goal = found.goal if math.isfinite(found.goal) else None
+    reviews = [as_data(one) for one in found.reviews]
+    return {**vars(found), "goal": goal, "reviews": reviews, "sentence": str(found)}
+
+
+def outcome_from(data: Mapping[str, Any]) -> Outcome:
+    """The outcome in JSON data."""
+    words = {key: value for key, value in data.items() if key != "sentence"}
+    goal = math.nan if words["goal"] is None else float(words["goal"])
+    reviews = tuple(from_data(one) for one in words["reviews"])
+    return Outcome(**{**words, "goal": goal, "reviews": reviews})

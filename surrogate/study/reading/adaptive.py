@@ -1,0 +1,146 @@
+"""From the words of adaptive designs to their rules."""
+
+from __future__ import annotations
+
+import hashlib
+import zlib
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from surrogate.adaptive.aim import FIGURES, INDEX_WIDTH, Aim, Rule, Until
+from surrogate.designs.design import Design
+from surrogate.errors import StudyError
+from surrogate.runs.identity import SolverSpec, canonical
+from surrogate.solver import Output
+from surrogate.space import units
+from surrogate.space.space import Space
+from surrogate.study.parts.adaptive import AdaptivePart
+from surrogate.study.reading.mistakes import Reading
+from surrogate.study.reading.named import is_scalar
+
+
+def rules_of(
+    reading: Reading,
+    designs: Mapping[str, Design],
+    spec: SolverSpec,
+    space: Space | None,
+    outputs: Iterable[str],
+    constants: Mapping[str, float | str],
+) -> dict[str, Rule]:
+    """The rule of each adaptive design; designs: their initial points. Mistakes are noted."""
+    offered = {n: spec.solver.outputs[n] for n in outputs if n in spec.solver.outputs}
+    parts = {
+        name: part for name, part in reading.part.designs.items() if isinstance(part, AdaptivePart)
+    }
+    rules = {}
+    for name, part in parts.items():
+        with reading.mistakes_at("designs", name):
+            _check(reading, name, part, designs.get(name), spec)
+            aim = _aim(reading, name, part, offered)
+            if aim is None or space is None or name not in designs:
+                continue
+            if aim.kind == INDEX_WIDTH and not space.independent:
+                raise StudyError(
+                    "aim index_width needs independent parameters; take aim accuracy, or drop "
+                    "correlation and constraints"
+                )
+            seed = part.seed if part.seed is not None else zlib.crc32(name.encode())
+            until = _until(part, aim, offered)
+            identity = _identity(designs[name], space, spec, constants, aim, seed)
+            rules[name] = Rule(aim, until, part.batch, seed, identity)
+    return rules
+
+
+def _check(
+    reading: Reading, name: str, part: AdaptivePart, initial: Design | None, spec: SolverSpec
+) -> None:
+    if name == "test":
+        raise StudyError(
+            "design 'test' is held out to judge the surrogates; it cannot be adaptive, because "
+            "its points would follow from the answers. Call the adaptive design train"
+        )
+    if reading.part.replicates > 1:
+        raise StudyError(
+            "an adaptive design takes each point once; drop replicates. Scatter between runs is "
+            "estimated from neighbouring points"
+        )
+    if spec.recorded:
+        raise StudyError("a table has no further runs; an adaptive design needs a solver")
+    if initial is not None and initial.rows > part.until.runs:
+        raise StudyError(
+            f"until: runs {part.until.runs} is less than the {initial.rows} runs of initial; "
+            "raise it, or begin with fewer runs"
+        )
+
+
+def _aim(
+    reading: Reading, name: str, part: AdaptivePart, offered: Mapping[str, Output]
+) -> Aim | None:
+    """The aim, with values in the outputs' units; None when an output is wrong."""
+    path = ("designs", name)
+
+    def scalar(output: str, *where: str | int) -> bool:
+        return is_scalar(reading, output, offered, "an aim needs a single number", *path, *where)
+
+    for key, sign in (("minimise", 1), ("maximise", -1)):
+        output = getattr(part, key)
+        if output is not None:
+            return (
+                Aim(part.aim, (output,), sign=1 if sign > 0 else -1)
+                if scalar(output, key)
+                else None
+            )
+    for output, value in part.target.items():
+        if not scalar(output, "target", output):
+            return None
+        with reading.mistakes_at(*path, "target", output):
+            return Aim(part.aim, (output,), units.quantity(str(value), offered[output].unit))
+        return None
+    named = [n for index, n in enumerate(part.output) if scalar(n, "output", index)]
+    if len(named) < len(part.output):
+        return None
+    for key, sign in (("above", 1), ("below", -1)):
+        limit = getattr(part, key)
+        if limit is not None:
+            with reading.mistakes_at(*path, key):
+                value = units.quantity(str(limit), offered[named[0]].unit)
+                return Aim(part.aim, (named[0],), value, 1 if sign > 0 else -1)
+            return None
+    names = tuple(named) or tuple(n for n, one in offered.items() if not one.dims)
+    if not names:
+        raise StudyError(
+            f"aim {part.aim} needs an output that is a single number; the study keeps fields only"
+        )
+    return Aim(part.aim, names)
+
+
+def _until(part: AdaptivePart, aim: Aim, offered: Mapping[str, Output]) -> Until:
+    given = part.until
+    for figure in FIGURES[aim.kind]:
+        value = getattr(given, figure)
+        if value is None:
+            continue
+        if figure in ("rmse", "gain"):
+            unit = offered[aim.outputs[0]].unit
+            value = units.distance(str(value), unit, figure, f"write 2 or '2 {unit}'")
+            if len({offered[name].unit for name in aim.outputs}) > 1:
+                raise StudyError(f"until: {figure} suits one unit; name one output, or give q2")
+        return Until(given.runs, figure, float(value), given.patience)
+    return Until(given.runs, FIGURES[aim.kind][0], None, given.patience)
+
+
+def _identity(
+    initial: Design,
+    space: Space,
+    spec: SolverSpec,
+    constants: Mapping[str, float | str],
+    aim: Aim,
+    seed: int,
+) -> str:
+    """Equal for rules that choose the same points from the same answers of the same solver."""
+    laws = [[p.name, p.distribution and p.distribution.words, p.levels] for p in space.parameters]
+    begun = initial.identity or np.round(initial.coded, 12).tolist()
+    said = [begun, laws, space.correlation, [one.text for one in space.constraints]]
+    said += [spec.context, dict(constants), vars(aim), seed]
+    return "adaptive_" + hashlib.sha256(canonical(said).encode()).hexdigest()[:32]
