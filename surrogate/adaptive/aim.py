@@ -35,22 +35,24 @@ class Aim:
     value    of a target, or the limit of a probability, in the output's unit
     sign     optimum: 1 for the smallest value, -1 for the largest; probability: 1 for above the
              limit, -1 for below
+    unit     of the outputs, where it is one
     """
 
     kind: str
     outputs: tuple[str, ...]
     value: float = 0.0
     sign: Literal[1, -1] = 1
+    unit: str = ""
 
     def __str__(self) -> str:
-        names = ", ".join(self.outputs)
+        names, value = ", ".join(self.outputs), f"{self.value:g} {self.unit}".rstrip()
         if self.kind == OPTIMUM:
             return f"the {'smallest' if self.sign > 0 else 'largest'} {names}"
         if self.kind == TARGET:
-            return f"where {names} is {self.value:g}"
+            return f"where {names} is {value}"
         if self.kind == PROBABILITY:
             side = "above" if self.sign > 0 else "below"
-            return f"the probability that {names} is {side} {self.value:g}"
+            return f"the probability that {names} is {side} {value}"
         if self.kind == INDEX_WIDTH:
             return f"narrow intervals of the total indices of {names}"
         return f"accuracy of {names}"

@@ -22,6 +22,7 @@ class Outcome:
     aim, kind  in words, and which of the five
     identity   of its rule
     initial    runs before the first choice, rows: all, most: at most
+    unit       of the value and of figures that have one
     figure     what is judged, goal: that it must reach, NaN for none
     ended      why it takes no more points; "" while it does
     """
@@ -32,6 +33,7 @@ class Outcome:
     initial: int
     rows: int
     most: int
+    unit: str
     figure: str
     goal: float
     reviews: tuple[Review, ...]
@@ -51,12 +53,18 @@ class Outcome:
         return "; ".join(parts)
 
     @property
+    def figure_unit(self) -> str:
+        """Unit of the figure; shares have none."""
+        return self.unit if self.figure in ("rmse", "gain") else ""
+
+    @property
     def _judged(self) -> str:
         goal = f" (goal {self.goal:g})" if math.isfinite(self.goal) else ""
         estimate = self.reviews[-1].estimate
         found = {OPTIMUM: "best value", PROBABILITY: "probability"}.get(self.kind)
-        first = f"{found} {estimate:.4g}, " if found and math.isfinite(estimate) else ""
-        return f"{first}{NAMES[self.figure]} {self.last:.3g}{goal}"
+        unit = f" {self.unit}".rstrip() if self.kind == OPTIMUM else ""
+        first = f"{found} {estimate:.4g}{unit}, " if found and math.isfinite(estimate) else ""
+        return f"{first}{NAMES[self.figure]} {self.last:.3g} {self.figure_unit}".rstrip() + goal
 
     @property
     def _why(self) -> str:
@@ -69,6 +77,17 @@ class Outcome:
         }[self.ended]
 
 
+@dataclass(frozen=True)
+class Grown:
+    """An adaptive design when the study is analysed.
+
+    paid  a sentence for each output: whether choosing the points paid, as far as it can be told
+    """
+
+    outcome: Outcome
+    paid: tuple[str, ...] = ()
+
+
 def outcome(rule: Rule, initial: int, state: State) -> Outcome:
     """The outcome of a design with so many initial points."""
     rows, goal = initial + len(state.points), rule.until.value
@@ -79,6 +98,7 @@ def outcome(rule: Rule, initial: int, state: State) -> Outcome:
         initial,
         rows,
         rule.until.runs,
+        rule.aim.unit,
         rule.until.figure,
         math.nan if goal is None else goal,
         state.reviews,

@@ -26,6 +26,7 @@ def page(study: Study, done: Outcome) -> Page:
         parts += [*calibrating.lines(figures["calibration"]), ""]
     if figures["screening"]:
         parts.append(_screening_line(figures["screening"]))
+    parts += [f"design {name}: {told}" for name, told in _adaptive(figures["adaptive"])]
     if figures["learning"]:
         parts += _learning_lines(figures["learning"], figures["comparison"])
     for name, goal in (figures["solve"] or {}).items():
@@ -45,6 +46,15 @@ def _screening_line(screening: Mapping[str, Any]) -> str:
         return f"screening: nothing is frozen. {screening['refused']}"
     frozen = ", ".join(screening["freeze"]) or "nothing"
     return f"screening: keep {', '.join(screening['keep']) or 'nothing'}; may be frozen: {frozen}"
+
+
+def _adaptive(designs: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """How each adaptive design went on, and whether choosing its points paid."""
+    return [
+        (name, told)
+        for name, found in designs.items()
+        for told in (found["sentence"], *found["paid"])
+    ]
 
 
 def _learning_lines(learning: Mapping[str, Any], comparison: Mapping[str, Any]) -> list[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from surrogate.adaptive.outcome import outcome_data
 from surrogate.cli import foresight
 from surrogate.cli.page import Page
 from surrogate.cli.progress import duration
@@ -52,6 +53,7 @@ def check(study: Study, results: Path, model: str | None = None, effect: float =
         parts.append(f"aliasing of {name}: {alias}\n")
     parts += foresight.pages(precise, effect)
     parts += _constraint_lines(study)
+    parts += [f"design {name}: {one}\n" for name, one in study.outcomes(results).items()]
     parts += [f"note: {note}" for note in study.notes]
     parts += [_surrogate_line(study), _runs_line(study, stored, counts, unfound), *study.unused]
     parts += rundata.described(stored, "damaged")
@@ -151,6 +153,8 @@ def status(study: Study, results: Path) -> Page:
     parts += [f"  {reason}" for reason in list(reasons)[:10]]
     if len(reasons) > 10:
         parts.append(f"  and {len(reasons) - 10} more; the report lists all")
+    grown = study.outcomes(results)
+    parts += [f"design {name}: {one}" for name, one in grown.items()]
     files = rundata.described(stored, "stored")
     if counts["missing"] or files:
         parts.append(_runs_line(study, stored, counts, unfound))
@@ -168,6 +172,7 @@ def status(study: Study, results: Path) -> Page:
             "stored": files,
             "unused": study.unused,
             "damaged": rundata.described(stored, "damaged"),
+            "adaptive": {name: outcome_data(one) for name, one in grown.items()},
             "fresh": waiting,
             "seconds_left": _seconds_left(study, stored, unfound),
         },

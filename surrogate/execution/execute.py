@@ -246,8 +246,8 @@ class _Growing:
     def on(self) -> None:
         """Add runs for the places that are free; those that are known already free it again."""
         while True:
-            added = self.growth.more(self._find, max(self.places - len(self.under_way), 0))
-            known = [record for key in added if (record := self._find(key)) is not None]
+            added = self.growth.more(self.known.ended, max(self.places - len(self.under_way), 0))
+            known = [record for key in added if (record := self.known.ended(key)) is not None]
             self.tally.grow(len(added), known, self.growth.ahead)
             over = {record.key for record in known}
             new = [Task(key, call) for key, call in added.items() if key not in over]
@@ -255,18 +255,6 @@ class _Growing:
             self.under_way |= {task.key for task in new}
             if new or not added:
                 return
-
-    def _find(self, key: str) -> Record | None:
-        return found(self.known, key)
-
-
-def found(known: KnownRuns, key: str) -> Record | None:
-    """The record of a run that has ended with an answer, or without one for good."""
-    for records in (known.journal.records, known.given.records):
-        record = records.get(key)
-        if record is not None and record.answers(known.wanted) and not record.lost:
-            return record
-    return None
 
 
 def _with_earlier(record: Record, earlier: Record | None) -> Record:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from surrogate.adaptive.outcome import Grown
 from surrogate.designs.aliasing import Aliasing
 from surrogate.fitting.fit import Fit
 from surrogate.fitting.geometry import Geometry
@@ -62,6 +63,7 @@ class Content:
     regression      surrogate -> output -> regression table
     sensitivity     dataset over (output, parameter)
     screening       which parameters to keep
+    adaptive        design whose points followed from answers -> how it went on
     learning        dataset over (surrogate, output, size)
     solve           goal -> inputs that reach it
     calibration     what measurements say about inputs
@@ -84,6 +86,7 @@ class Content:
     regression: Mapping[str, Mapping[str, xr.Dataset]] = field(default_factory=dict)
     sensitivity: xr.Dataset | None = None
     screening: Screening | None = None
+    adaptive: Mapping[str, Grown] = field(default_factory=dict)
     learning: xr.Dataset | None = None
     solve: Mapping[str, Solution] = field(default_factory=dict)
     calibration: Posterior | None = None

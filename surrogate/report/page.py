@@ -17,6 +17,7 @@ from surrogate.report.content import Content
 from surrogate.report.embedding import script_json
 from surrogate.report.sections import (
     accuracy,
+    adaptive,
     calibration,
     designs,
     effects,
@@ -112,6 +113,8 @@ def _sections(content: Content) -> Iterator[Section]:
     if content.validation is not None:
         yield validation.section(content.validation)
     yield screening.section(content)
+    if content.adaptive:
+        yield adaptive.section(content.adaptive)
     if content.learning is not None:
         yield learning.section(content, content.learning)
     if content.solve:

@@ -206,6 +206,14 @@ class KnownRuns:
             **{key: record for key, record in self.given.records.items() if self._gives(key)},
         }
 
+    def ended(self, key: str) -> Record | None:
+        """The record of a run that has ended for good; None while there is none."""
+        for records in (self.journal.records, self.given.records):
+            record = records.get(key)
+            if record is not None and record.answers(self.wanted) and not record.lost:
+                return record
+        return None
+
     def _gives(self, key: str) -> bool:
         own = self.journal.records.get(key)
         return own is None or not own.answers(self.wanted)

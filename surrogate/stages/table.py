@@ -13,6 +13,7 @@ from typing import Any
 
 from surrogate.runs.netcdf import encoded
 from surrogate.stages import (
+    adaptive,
     calibration,
     candidates,
     fits,
@@ -148,6 +149,13 @@ STAGES = (
         kept=False,
     ),
     Stage(
+        "adaptive",
+        reads=("rules", "space"),
+        needs=("runs",),
+        does=adaptive.adaptive,
+        figures=adaptive.figures,
+    ),
+    Stage(
         "learning",
         reads=("learning_rule", "sensitivity_method", "space", "surrogates"),
         needs=("runs", "fits", "comparison"),
@@ -210,6 +218,7 @@ STAGES = (
             "regression",
             "sensitivity",
             "screening",
+            "adaptive",
             "learning",
             "solve",
             "calibration",

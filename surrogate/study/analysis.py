@@ -97,6 +97,7 @@ def parts_of(study: Study) -> dict[str, Part]:
         ),
         "screening_rule": part(study.screening_rule, "screening"),
         "learning_rule": part(study.learning_rule, "learning", more=repr(study.learning_rule)),
+        "rules": part(study.rules, more=repr(study.rules)),
         "nominal": part(study.nominal, more=study.nominal),
         "problems": part(study.problems, more=repr(study.problems)),
         "measured": _measured(study),

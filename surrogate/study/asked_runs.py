@@ -84,7 +84,9 @@ class AskedRuns:
     def outcomes(self) -> dict[str, Outcome]:
         """How far each adaptive design is."""
         return {
-            name: outcome(self.rules[name], len(self.designs[name].initial), state)
+            name: outcome(
+                self.rules[name], self.designs[name].rows - self.designs[name].chosen, state
+            )
             for name, state in self.states.items()
         }
 
@@ -114,8 +116,10 @@ class AskedRuns:
 
     @property
     def waiting(self) -> int:
-        """Runs of the designs whose points are not found yet: none of them is done."""
-        return sum(design.rows for design in self.designs.values() if not design.at_hand)
+        """Runs whose points are not found yet, of adaptive designs at most: none is done."""
+        sought = sum(design.rows for design in self.designs.values() if not design.at_hand)
+        growing = self.outcomes.values()
+        return sought + sum(one.most - one.rows for one in growing if not one.ended)
 
     @property
     def journal(self) -> Path:
@@ -153,7 +157,7 @@ class AskedRuns:
         Points that are not found yet may be any of the space, those of the file included.
         """
         for index, file in enumerate(self.stored_runs):
-            asked = self._with(_imagined(self.space, file)) if self.waiting else self
+            asked = self._with(_imagined(self.space, file))
             if not asked.matching([file]).records:
                 why = storing.first_difference(file, self.spec, asked.calls, self.outputs)
                 yield index, f"no run in '{file.name}' is one of this study's: {why}"
@@ -240,8 +244,9 @@ class AskedRuns:
 
         fresh: all of them, taking nothing over but the rows of a table. tell: hears a sentence
         of each damaged record. growth: adds runs of adaptive designs. The other words are
-        those of `execute`. Of a solver whose answers are told none is done; raises `StudyError` for `fresh` then. A table in place
-        of a solver has all runs that it can have. Returns what the journal holds then.
+        those of `execute`. Of a solver whose answers are told none is done; raises
+        `StudyError` for `fresh` then. A table in place of a solver has all runs that it can
+        have. Returns what the journal holds then.
         """
         if self.spec.recorded:
             return read_journal(self.journal)

@@ -37,7 +37,7 @@ from surrogate.runs.identity import RunInputs
 from surrogate.runs.journal import Journal, JournalContents
 from surrogate.runs.record import Record
 from surrogate.runs.stored import KnownRuns
-from surrogate.study.kept_designs import keep
+from surrogate.study.growing import Growing
 from surrogate.study.study import Study
 
 #: How the names of campaigns begin, among those of the workers that share a folder.
@@ -77,13 +77,14 @@ class Campaign(Carded):
         folder = None if results is None else Path(results)
         self._runs = self.study.found(folder).asked(folder)
         self._wanted = self.study.spec.wanted(self.study.outputs)
-        keep(self._runs.designs, self._runs.folder)
+        self._runs.keep()
         self._journal = Journal(self._runs.journal).__enter__()
         self._end = weakref.finalize(self, self._journal.__exit__, None, None, None)
         self._shared, self._name = SharedFolder(self._runs.journal), CAMPAIGN + own_name()
         self._seen = self._shared.segment_lengths()
         self._open = dict(self._points)
         self._drop_done(self._journal.contents)
+        self._growing = Growing(self._runs) if self.study.rules else None
         self._handed_out: set[str] = set()
         self._presence: Presence | None = None
 
@@ -119,13 +120,19 @@ class Campaign(Carded):
 
     @property
     def left(self) -> int:
-        """Number of points that have no answer yet, those handed out included."""
+        """Number of points that have no answer yet, those handed out included.
+
+        Of adaptive designs also those that may still be chosen, at most.
+        """
         self._look_around()
-        return len(self._open)
+        return len(self._open) + (self._growing.ahead if self._growing else 0)
 
     def ask(self, n: int = 1) -> list[Point]:
         """The next `n` points without an answer, in the order of the designs; fewer at the end.
 
+        An adaptive design chooses points when no others are left: from the answers so far, each
+        one counting those that are handed out as answered by what is predicted. With `batch` it
+        waits until all have an answer.
         This campaign hands out no point twice, and none that a `surrogate work` on the folder
         has done or is at. After a restart, points that were handed out and have no answer are
         handed out again.
@@ -133,6 +140,7 @@ class Campaign(Carded):
         if n < 1:
             raise StudyError(f"n: {n} must be 1 or more")
         self._look_around()
+        self._grow(n)
         waiting = (one for key, one in self._open.items() if key not in self._handed_out)
         busy = set(at_work(self._runs.journal, self.study.shared.lease)) - {self._name}
         if busy:
@@ -140,6 +148,20 @@ class Campaign(Carded):
         points = list(islice(waiting, n))
         self._handed_out.update(point.key for point in points)
         return points
+
+    def _grow(self, n: int) -> None:
+        """Let adaptive designs choose points, when fewer than `n` wait to be handed out."""
+        free = n - len(self._open.keys() - self._handed_out)
+        if self._growing is None or free <= 0:
+            return
+        known = KnownRuns(self._shared.contents(), self._runs.given, self._wanted)
+        added = self._growing.more(known.ended, free)
+        if added:
+            self._runs = self._growing.asked
+            for name in ("_points", "_columns"):
+                self.__dict__.pop(name, None)
+            self._open |= {key: self._points[key] for key in added}
+            self._drop_done(known.journal)
 
     def _claim(self, key: str, busy: set[str]) -> bool:
         """True when this campaign has the point from now on; busy: workers at work.

@@ -6,6 +6,7 @@ import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from surrogate.adaptive.aim import Rule
@@ -26,13 +27,14 @@ def states(
     results: Path,
     stored: Iterable[xr.Dataset],
 ) -> dict[str, State]:
-    """The state of each adaptive design whose initial points are at hand.
+    """The state of each adaptive design; nothing yet of one whose initial points are not found.
 
     Raises `ResultsError` for a damaged file.
     """
     found, stored = {}, tuple(stored)
     for name, rule in rules.items():
-        if name not in designs or not designs[name].at_hand:
+        if not designs[name].at_hand:
+            found[name] = State(np.empty((0, 0)))
             continue
         initial = designs[name].initial
         state = kept(results, rule).read(*initial.shape)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from surrogate.adaptive.outcome import Outcome
 from surrogate.errors import StudyError
 from surrogate.execution.progress import Progress
 from surrogate.execution.rerun import STATUSES
@@ -139,6 +140,10 @@ class Study(Description):
             for name, one in self.asked(results).designs.items()
             if not one.at_hand
         ]
+
+    def outcomes(self, results: Path | None = None) -> dict[str, Outcome]:
+        """How far each adaptive design is, or why it ended."""
+        return self.asked(results).outcomes
 
     def begun(self, results: Path | None = None) -> tuple[xr.Dataset, int]:
         """How the runs ended, and the number of runs of designs that have no rows there.

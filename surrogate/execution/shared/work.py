@@ -22,7 +22,7 @@ from surrogate.errors import Mistake, ResultsError
 from surrogate.execution.attempts import finished_runs
 from surrogate.execution.backend import RunSettings, cores
 from surrogate.execution.clock import TICK
-from surrogate.execution.execute import check, found, to_do
+from surrogate.execution.execute import check, to_do
 from surrogate.execution.executors.local import local
 from surrogate.execution.growth import Growth
 from surrogate.execution.handle import Task
@@ -296,8 +296,8 @@ class _Worker:
         member, places = self.member, self.settings.places or 1
         known = KnownRuns(member.shared.contents(), self.given, self.settings.wanted)
         free = 0 if member.untried else max(places - len(member.mine), 0)
-        added = self.growth.more(lambda key: found(known, key), free)
-        ended = [record for key in added if (record := found(known, key)) is not None]
+        added = self.growth.more(known.ended, free)
+        ended = [record for key in added if (record := known.ended(key)) is not None]
         self.tally.grow(len(added), ended, self.growth.ahead)
         member.runs.update(added)
         over = {record.key for record in ended}

@@ -72,7 +72,9 @@ class AdaptiveUntilPart(Part):
 class AdaptivePart(Part):
     """A design whose next points follow from the answers so far."""
 
-    method: Literal["adaptive"] = Field(description="Points follow from the answers so far.")
+    method: Literal["adaptive"] = Field(
+        description="Points follow from the answers so far.", examples=["adaptive"]
+    )
     initial: DesignPart = Field(
         description="The runs to begin with: a design.",
         examples=[{"method": "latin_hypercube", "runs": 20}],
@@ -114,7 +116,9 @@ class AdaptivePart(Part):
         "points whatever the number of workers. Default: a point as soon as a place is free.",
         examples=[4],
     )
-    seed: int | None = Field(None, description="Seed of the choice. Default: by the name.")
+    seed: int | None = Field(
+        None, description="Seed of the choice. Default: by the name.", examples=[1]
+    )
 
     @model_validator(mode="after")
     def _goes_together(self) -> AdaptivePart:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import zlib
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from surrogate.adaptive.aim import FIGURES, INDEX_WIDTH, Aim, Rule, Until
 from surrogate.designs.design import Design
 from surrogate.errors import StudyError
 from surrogate.runs.identity import SolverSpec, canonical
-from surrogate.solver import Output
+from surrogate.solver import Output, Solver
 from surrogate.space import units
 from surrogate.space.space import Space
 from surrogate.study.parts.adaptive import AdaptivePart
@@ -24,22 +25,25 @@ def rules_of(
     reading: Reading,
     designs: Mapping[str, Design],
     spec: SolverSpec,
+    solver: Solver,
     space: Space | None,
     outputs: Iterable[str],
     constants: Mapping[str, float | str],
 ) -> dict[str, Rule]:
     """The rule of each adaptive design; designs: their initial points. Mistakes are noted."""
-    offered = {n: spec.solver.outputs[n] for n in outputs if n in spec.solver.outputs}
+    offered = {name: solver.outputs[name] for name in outputs if name in solver.outputs}
     parts = {
         name: part for name, part in reading.part.designs.items() if isinstance(part, AdaptivePart)
     }
     rules = {}
     for name, part in parts.items():
         with reading.mistakes_at("designs", name):
-            _check(reading, name, part, designs.get(name), spec)
+            _check(reading, name, part, designs.get(name), solver)
             aim = _aim(reading, name, part, offered)
-            if aim is None or space is None or name not in designs:
-                continue
+            if aim is not None and len(unit := {offered[one].unit for one in aim.outputs}) == 1:
+                aim = replace(aim, unit=unit.pop())
+            if aim is None or space is None or name not in designs or reading.mistakes:
+                continue  # without a sound solver there is no identity
             if aim.kind == INDEX_WIDTH and not space.independent:
                 raise StudyError(
                     "aim index_width needs independent parameters; take aim accuracy, or drop "
@@ -53,7 +57,7 @@ def rules_of(
 
 
 def _check(
-    reading: Reading, name: str, part: AdaptivePart, initial: Design | None, spec: SolverSpec
+    reading: Reading, name: str, part: AdaptivePart, initial: Design | None, solver: Solver
 ) -> None:
     if name == "test":
         raise StudyError(
@@ -65,7 +69,7 @@ def _check(
             "an adaptive design takes each point once; drop replicates. Scatter between runs is "
             "estimated from neighbouring points"
         )
-    if spec.recorded:
+    if getattr(solver, "recorded", False):
         raise StudyError("a table has no further runs; an adaptive design needs a solver")
     if initial is not None and initial.rows > part.until.runs:
         raise StudyError(
@@ -116,16 +120,16 @@ def _aim(
 
 
 def _until(part: AdaptivePart, aim: Aim, offered: Mapping[str, Output]) -> Until:
+    """When it ends, with the goal in the output's unit."""
     given = part.until
     for figure in FIGURES[aim.kind]:
         value = getattr(given, figure)
         if value is None:
             continue
         if figure in ("rmse", "gain"):
-            unit = offered[aim.outputs[0]].unit
-            value = units.distance(str(value), unit, figure, f"write 2 or '2 {unit}'")
             if len({offered[name].unit for name in aim.outputs}) > 1:
                 raise StudyError(f"until: {figure} suits one unit; name one output, or give q2")
+            value = units.distance(str(value), aim.unit, figure, f"write 2 or '2 {aim.unit}'")
         return Until(given.runs, figure, float(value), given.patience)
     return Until(given.runs, FIGURES[aim.kind][0], None, given.patience)
 

@@ -65,7 +65,9 @@ def fields_of(
         "execution": part.execution,
     }
     fields["rules"] = (
-        rules_of(notes, designs, spec, space, fields["outputs"], constants) if solver else {}
+        rules_of(notes, designs, spec, solver, space, fields["outputs"], constants)
+        if solver
+        else {}
     )
     check_execution(notes)
     if solver:
