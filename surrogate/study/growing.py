@@ -39,12 +39,15 @@ class Growing:
 
     def more(self, find: Find, free: int) -> Mapping[str, RunInputs]:
         """Runs that were not asked for before: chosen now, or by others that share the folder."""
-        self.asked = self.asked.grown()
-        for name, state in self.asked.states.items():
-            free -= self._grow(name, state, find, free)
-        self.asked = self.asked.grown()
-        runs = zip(self.asked.keys, self.asked.calls, strict=True)
-        new = {key: call for key, call in runs if key not in self._seen}
+        new: dict[str, RunInputs] = {}
+        grown = True
+        while grown and not new:  # a point of another design is no new run, and takes no place
+            self.asked, left = self.asked.grown(), free
+            for name, state in self.asked.states.items():
+                left -= self._grow(name, state, find, left)
+            self.asked, grown = self.asked.grown(), left < free
+            runs = zip(self.asked.keys, self.asked.calls, strict=True)
+            new = {key: call for key, call in runs if key not in self._seen}
         self._seen |= new.keys()
         return new
 

@@ -50,4 +50,4 @@ class ExecutionPart(Part):
     @property
     def at_once(self) -> int | None:
         """Runs at once; None for as many as there is room for."""
-        return self.places or self.workers
+        return 1 if self.executor == "serial" else self.places or self.workers
