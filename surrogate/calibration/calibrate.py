@@ -15,7 +15,7 @@ from scipy.stats import qmc
 from surrogate.calibration import sampling
 from surrogate.calibration.emulator import check
 from surrogate.calibration.likelihood import Likelihood
-from surrogate.calibration.posterior import Posterior, figures_of, piled_up
+from surrogate.calibration.posterior import Posterior, figures_of, piled_up, untaught
 from surrogate.calibration.predictive import Told, told
 from surrogate.calibration.priors import Coordinates, unknowns
 from surrogate.calibration.problem import Problem
@@ -87,7 +87,8 @@ def _posterior(likelihood: Likelihood, chains: Chains) -> Posterior:
         acceptance=chains.acceptance,
         converged=int(chains.converged),
     )
-    notes = [*problem.notes, *_unconverged(figures, chains), *piled_up(problem, drawn, prior)]
+    notes = [*problem.notes, *_unconverged(figures, chains), *untaught(problem, figures)]
+    notes += piled_up(problem, drawn, prior)
     surrogates = {name: fit.surrogate for name, fit in likelihood.fits.items()}
     tree = _tree(likelihood, drawn, kept[1], prior, cases, shape)
     return Posterior(problem, own, tree, figures, surrogates, tuple(notes))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -17,6 +18,9 @@ Array = NDArray[np.float64]
 
 #: Ends of the intervals that are told.
 TAILS = (0.025, 0.975)
+ENDS = ("mean", "low", "high")
+#: Measurements teach nothing about an input where they take away less of its prior's variance.
+TAUGHT = 0.1
 #: A posterior piles up at an end when more than this share of it lies in the outermost `EDGE` of
 #: the prior's range, and `TIMES` the share that the prior has there.
 PILED, EDGE, TIMES = 0.1, 0.02, 4.0
@@ -64,14 +68,18 @@ class Posterior:
         for name in self.problem.free:
             at = self.figures.sel(unknown=name)
             unit = f" {self.problem.space[name].unit}".rstrip()
-            told.append(
-                f"{name} = {float(at['mean']):.5g}{unit} "
-                f"[{float(at['low']):.5g}, {float(at['high']):.5g}]"
-            )
+            mean, low, high = rounded(float(at["sd"]), *(float(at[key]) for key in ENDS))
+            told.append(f"{name} = {mean}{unit} [{low}, {high}]")
         return (
             f"Posterior mean and 95 % interval from {len(self.problem.labels)} cases: "
             f"{'; '.join(told)}."
         )
+
+
+def rounded(sd: float, *values: float) -> list[str]:
+    """Values with so many decimals that a standard deviation has two significant digits."""
+    decimals = 1 - math.floor(math.log10(sd)) if sd > 0.0 else 6
+    return [f"{round(value, decimals):.{max(decimals, 0)}f}" for value in values]
 
 
 def figures_of(
@@ -114,6 +122,18 @@ def _row(drawn: Array, prior: Array) -> dict[str, float]:
         "prior_high": before[1],
         "shrinkage": 1.0 - float(drawn.var(ddof=1) / prior.var(ddof=1)),
     }
+
+
+def untaught(problem: Problem, figures: xr.Dataset) -> list[str]:
+    """A sentence for each free input of which the measurements say next to nothing."""
+    shares = {name: float(figures["shrinkage"].sel(unknown=name)) for name in problem.free}
+    return [
+        f"{name}: the measurements say next to nothing about it (they took away "
+        f"{100.0 * max(share, 0.0):.0f} % of the prior's variance); its interval is that of its "
+        "prior. Measure where it matters, or leave it at its nominal value."
+        for name, share in shares.items()
+        if share < TAUGHT
+    ]
 
 
 def piled_up(problem: Problem, drawn: Mapping[str, Array], prior: Mapping[str, Array]) -> list[str]:

@@ -18,6 +18,7 @@ class Tested:
     cases                         (pair,) measured cases, `rows` (pair,) the runs made at them
     differences                   (pair,) measured - solver
     expected                      root mean square of the differences when the posterior is right
+    discrepancy                   whether reality may differ from the solver
     """
 
     output: str
@@ -30,6 +31,7 @@ class Tested:
     rows: NDArray[np.intp]
     differences: Array
     expected: float
+    discrepancy: bool
 
     @property
     def inside(self) -> int:
@@ -42,13 +44,18 @@ class Tested:
         return rms(self.solver - self.predicted)
 
     @property
+    def away(self) -> float:
+        """Root mean square of measured - solver."""
+        return rms(self.differences)
+
+    @property
     def figures(self) -> dict[str, float]:
         """What the runs say, in numbers."""
         return {
             "runs": len(self.solver),
             "inside": self.inside,
             "rmse": self.off,
-            "measured_rms": rms(self.differences),
+            "measured_rms": self.away,
             "expected_rms": self.expected,
         }
 
@@ -57,7 +64,8 @@ class Tested:
         return (
             f"{self.output}: from the surrogate by {self.off:.2g}{unit}, "
             f"{self.inside} of {len(self.solver)} runs inside its 95 % interval; from the "
-            f"measurements by {rms(self.differences):.2g}{unit} (expected: {self.expected:.2g})"
+            f"measurements by {self.away:.2g}{unit} ({self.expected:.2g} expected of "
+            f"their error{' and the discrepancy' if self.discrepancy else ''})"
         )
 
 

@@ -80,6 +80,7 @@ def _tested(
         rows,
         differences,
         expected,
+        posterior.problem.discrepancy,
     )
 
 

@@ -14,6 +14,8 @@ from surrogate.report.plot import Plot, column, plot
 Array = NDArray[np.float64]
 
 WIDTH, HEIGHT, BINS, POINTS = 360.0, 260.0, 36, 300
+#: Ticks of an axis of cases.
+TICKS = 10
 
 
 def marginal_plot(name: str, unit: str, posterior: Array, prior: Array) -> Plot:
@@ -78,6 +80,12 @@ def pair_plot(names: tuple[str, str], units: tuple[str, str], drawn: tuple[Array
     )
 
 
+def _numbered(cases: int) -> list[tuple[float, str]]:
+    """Ticks at whole cases, ten at most."""
+    step = -(-cases // TICKS)
+    return [(float(k), str(k)) for k in range(1, cases + 1, step)]
+
+
 def predictive_plot(
     output: str,
     unit: str,
@@ -126,7 +134,7 @@ def predictive_plot(
     return plot(
         WIDTH,
         300.0,
-        panel.frame("case, in the order of the file", label),
+        panel.frame("case, in the order of the file", label, x_ticks=_numbered(len(at))),
         *marks,
         title=f"Measurements and posterior of {output}",
         says=f"{inside} of {len(at)} measurements lie inside the 95 % interval of a new one.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from surrogate.report import digits
 from surrogate.report.blocks import Answer, Block, Points, Section, Text
 from surrogate.report.content import Content
-from surrogate.report.sections import screening
+from surrogate.report.sections import calibration, screening
 from surrogate.report.sections.validation import verdicts
 from surrogate.report.sections.verdict import verdict
 from surrogate.report.sections.warnings import warnings
@@ -23,6 +23,8 @@ def section(content: Content) -> Section:
     if content.screening is not None and len(content.outputs) > 1:
         blocks.append(Text(f"For all outputs: {decided(content.screening)}", "lead"))
     blocks += [Text(f"Goal {name}: {found}", "lead") for name, found in content.solve.items()]
+    if content.calibration is not None:
+        blocks.append(Text(calibration.answer(content.calibration), "lead"))
     if content.validation is not None:
         blocks += [
             Text(f"Validation of {output}: closest is {model}. {how}")
