@@ -97,7 +97,8 @@ def across(surface: Surface, wrap: Wrap, theta_mid: np.ndarray, columns) -> np.n
     for order in (range(upper, len(distance)), range(upper - 1, -1, -1)):
         here, at = start, 0.0
         for column in order:
-            here = _march(surface, here, heading, distance[column] - at)
+            if distance[column] != at:
+                here = _march(surface, here, heading, distance[column] - at)
             place[:, column], at = here, distance[column]
     return place
 

@@ -39,8 +39,8 @@ def picture(
     rows, columns = (int(np.ceil(span * scale)) + 4 for span in spans[::-1])
     corners, shares = _samples(np.column_stack([across, height]) * scale, triangles)
 
-    def sampled(values: Array) -> Array:
-        return np.asarray(np.einsum("sc,sc...->s...", shares, values[corners]))
+    def sampled(values: Array, at: NDArray[np.intp] | slice = slice(None)) -> Array:
+        return np.asarray(np.einsum("sc,sc...->s...", shares[at], values[corners[at]]))
 
     def pixels_of(along: Array, high: Array) -> NDArray[np.intp]:
         x = np.round(2 + (along - across.min()) * scale).astype(int)
@@ -52,10 +52,11 @@ def picture(
     front = np.full(rows * columns, -1)
     front[pixel[order]] = order
     seen = front >= 0
-    light = sampled(_light(surface, triangles, towards, np.array([right, up, towards])))
-    tone = 0.74 + 0.26 * np.round(np.clip(light[front[seen]], 0, 1) * SHADES) / SHADES
+    nearest = front[seen]
+    light = sampled(_light(surface, triangles, towards, np.array([right, up, towards])), nearest)
+    tone = 0.74 + 0.26 * np.round(np.clip(light, 0, 1) * SHADES) / SHADES
     pixels = np.zeros((rows * columns, 4), np.uint8)
-    pixels[seen, :3] = np.round(sampled(tints)[front[seen]] * tone[:, None])
+    pixels[seen, :3] = np.round(sampled(tints, nearest) * tone[:, None])
     pixels[seen, 3] = 255
     sunk = SUNK * float(np.linalg.norm(np.ptp(surface, axis=0)))
     for own in lines:
