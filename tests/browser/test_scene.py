@@ -101,6 +101,33 @@ def test_a_pointer_reads_field_and_place(report_of, open_page):
     assert opened.said == []
 
 
+def test_two_fingers_zoom(beam, open_page):
+    opened = open_page(beam)
+    page = opened.page
+    first = drawn(page)
+    canvas = page.locator(CANVAS)
+    canvas.scroll_into_view_if_needed()
+    box = canvas.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    screen = page.context.new_cdp_session(page)
+    screen.send("Emulation.setTouchEmulationEnabled", {"enabled": True})
+
+    def touch(kind, *halves):
+        fingers = [{"x": x + s, "y": y, "id": k} for k, s in enumerate(halves)]
+        screen.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
+
+    def spread():
+        touch("touchStart", -20, 20)
+        touch("touchMove", -30, 30)
+        touch("touchEnd")
+
+    nearer = moved(page, spread)
+    assert nearer[0] > first[0]
+    canvas.focus()
+    assert moved(page, lambda: page.keyboard.press("0")) == first  # it has not turned
+    assert opened.said == []
+
+
 def test_nothing_sticks_out_on_a_phone(beam, open_page):
     page = open_page(beam, width=390, height=844).page
     drawn(page)

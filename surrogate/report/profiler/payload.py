@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -29,10 +30,13 @@ REACH = 0.998
 PLACES = 16
 
 
-def payload(content: Content, shown: list[Chosen]) -> dict[str, Any]:
-    """The whole of it; `javascript/engine.js` unpacks and uses it."""
+def payload(content: Content, shown: list[Chosen], leading: Sequence[str] = ()) -> dict[str, Any]:
+    """The whole of it; `javascript/engine.js` unpacks and uses it.
+
+    leading: parameters by what they matter for the first output, the most first
+    """
     packer = Packer()
-    packed = packer.packed(_study(content, shown))
+    packed = packer.packed({**_study(content, shown), "leading": _numbers(content.space, leading)})
     return {**packed, "shared": packer.shared}
 
 
@@ -57,6 +61,12 @@ def _study(content: Content, shown: list[Chosen]) -> dict[str, Any]:
             "numbers": [str(number) for number in content.numbers[finished]],
         },
     }
+
+
+def _numbers(space: Space, leading: Sequence[str]) -> list[int]:
+    """All parameters by their numbers, the leading ones first."""
+    first = [space.names.index(name) for name in leading if name in space.names]
+    return [*first, *(j for j in range(space.size) if j not in first)]
 
 
 def starting_point(content: Content) -> Array:

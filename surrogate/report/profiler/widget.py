@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
@@ -31,9 +32,9 @@ _LAYOUT = Markup(
 )
 
 
-def widget(content: Content, shown: list[Chosen]) -> Markup:
-    """Everything of the profiler that stands in the page."""
-    data = json.dumps(payload(content, shown), separators=(",", ":"), allow_nan=False)
+def widget(content: Content, shown: list[Chosen], leading: Sequence[str] = ()) -> Markup:
+    """Everything of the profiler that stands in the page; leading: as `payload` takes it."""
+    data = json.dumps(payload(content, shown, leading), separators=(",", ":"), allow_nan=False)
     unpack = Markup(bare((HERE / "unpack.js").read_text(encoding="utf-8")))
     geometry = shown_geometry(content)
     still = Markup("") if geometry is None else stills(content, shown, geometry)

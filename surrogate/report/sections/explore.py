@@ -10,6 +10,7 @@ from surrogate.report.content import Content
 from surrogate.report.profiler.chosen import Chosen, chosen, notes
 from surrogate.report.profiler.scene_data import scene_note
 from surrogate.report.profiler.widget import widget
+from surrogate.report.sections.leading import leading
 
 
 def sections(content: Content) -> Iterator[Section]:
@@ -21,7 +22,9 @@ def sections(content: Content) -> Iterator[Section]:
     blocks += [Text(words, "note") for words in notes(content, shown)]
     if words := scene_note(content):
         blocks.append(Text(words, "note"))
-    yield Section("explore", "Explore", (*blocks, Live(widget(content, shown))))
+    found = leading(content, shown[0].output)
+    live = Live(widget(content, shown, found.names if found else ()))
+    yield Section("explore", "Explore", (*blocks, live))
 
 
 def _sentence(content: Content, shown: list[Chosen]) -> str:

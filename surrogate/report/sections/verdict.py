@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 
 import numpy as np
-import xarray as xr
 from sklearn.pipeline import Pipeline
 
 from surrogate.fitting.fit import Fit
@@ -18,8 +17,9 @@ from surrogate.report.figures.parity import parity_plot
 from surrogate.report.figures.responses import response_plot
 from surrogate.report.figures.sobol import SHARE, Bars, index_bars
 from surrogate.report.parity import parity
+from surrogate.report.sections import leading
 from surrogate.report.sections.accuracy import TEST, held_out
-from surrogate.report.sections.indices import DECIMALS, STAMP, of_output, refusal
+from surrogate.report.sections.indices import STAMP, of_output, refusal
 from surrogate.report.sections.measures import index, measures_of, names_of, unit_of
 from surrogate.report.sections.screening import may_be_frozen
 from surrogate.report.sections.solve import goal
@@ -28,12 +28,8 @@ from surrogate.solving.solution import chance
 
 #: Errors below this share of the output's spread are rounding.
 ROUNDING = 1e-9
-#: The leading inputs are those that explain so much of the variance, and so many at most.
-ENOUGH, MOST = 0.8, 3
 #: Height of the three drawings where their rows allow it.
 HEIGHT = 310.0
-#: Names of inputs in a cell of the first table.
-LISTED = 2
 #: Names of frozen inputs in the sentence; all outputs of the study have a say in them.
 FROZEN = 6
 #: What the shipped surrogates are; others are called by their class.
@@ -45,8 +41,6 @@ KINDS = {
     "Lasso": "LASSO polynomial",
     "PolynomialChaos": "polynomial chaos expansion",
 }
-#: Indices that are shares of the variance, and what they are called.
-SHARES = {"total": "total index", "shapley": "Shapley effect"}
 
 
 def verdict(content: Content, output: str) -> Verdict:
@@ -54,7 +48,7 @@ def verdict(content: Content, output: str) -> Verdict:
     best = content.best(output)
     clauses = [
         _predicted(content, output, best),
-        *_mattering(content, output),
+        leading.clause(content, output),
         *([] if content.screening is None else [may_be_frozen(content.screening, FROZEN)]),
     ]
     figures = [
@@ -79,8 +73,8 @@ def verdict(content: Content, output: str) -> Verdict:
         q2=digits.score(q2),
         error=digits.with_unit(digits.figure(error, 2), content.unit(output)),
         poor=bool(q2 < POOR_Q2),
-        matters=_leading_words(content, output),
-        shares=_shares(content, output),
+        matters=leading.words(content, output),
+        shares=leading.shares(content, output),
         figures=tuple(figures),
     )
 
@@ -133,88 +127,6 @@ def _spread(content: Content, output: str) -> float:
     return float(np.sqrt(np.mean(np.var(values, axis=0)))) if len(values) > 1 else 0.0
 
 
-def _leading(content: Content, output: str) -> tuple[xr.Dataset, str, np.ndarray] | None:
-    """The sensitivity of an output, its leading measure, and the inputs by its size."""
-    table = of_output(content, output)
-    if table is None or refusal(content, output):
-        return None
-    measure = "total" if "total" in table else next(iter(measures_of(table)), "")
-    if not measure:
-        return None
-    sizes = np.abs(np.asarray(table[measure].values, dtype=float))
-    return table, measure, np.argsort(-np.nan_to_num(sizes, nan=-1.0), kind="stable")
-
-
-def _mattering(content: Content, output: str) -> list[str]:
-    """The inputs that matter, in a clause; none without a sensitivity analysis."""
-    if refusal(content, output):
-        return ["what matters is not answered, because its indices are refused"]
-    found = _leading(content, output)
-    if found is None:
-        return []
-    table, measure, order = found
-    names = names_of(table)
-    if measure not in SHARES:
-        unit = unit_of(measure, table, content.unit(output))
-        size = index(table, measure)
-        largest = digits.with_interval(
-            *(size[part][order[0]] for part in ("value", "low", "high")), most=DECIMALS
-        )
-        return [f"{names[order[0]]} has the largest {measure}, {digits.with_unit(largest, unit)}"]
-    for count in range(1, min(MOST, len(names)) + 1):
-        share = explained(table, order[:count])
-        if share >= ENOUGH:
-            break
-    verb = "explains" if count == 1 else "explain"
-    named = digits.listing(names[k] for k in order[:count])
-    return [f"{named} {verb} {digits.fixed(100.0 * share, 0)}{digits.THIN}% of its variance"]
-
-
-def explained(table: xr.Dataset, inputs: np.ndarray) -> float:
-    """Share of the variance that these inputs explain together, at most 1.
-
-    Sobol' indices: the sum of the first-order indices and of the second-order ones inside the
-    group; the closed index of the group is no less (Saltelli et al. 2008, 4.6). Dependent
-    inputs: the sum of their Shapley effects.
-    """
-    if "first_order" not in table:
-        return float(np.clip(np.nansum(table["shapley"].values[inputs]), 0.0, 1.0))
-    share = float(np.nansum(table["first_order"].values[inputs]))
-    if "second_order" in table:
-        pairs = np.asarray(table["second_order"].values, dtype=float)[np.ix_(inputs, inputs)]
-        share += float(np.nansum(np.tril(np.maximum(pairs, 0.0), -1)))
-    return float(np.clip(share, 0.0, 1.0))
-
-
-def _leading_words(content: Content, output: str) -> str:
-    found = _leading(content, output)
-    if found is None:
-        return "not answered" if refusal(content, output) else ""
-    table, measure, order = found
-    names, values = names_of(table), np.asarray(table[measure].values, dtype=float)
-    shown = values[order[:LISTED]]
-    told = (
-        [digits.fixed(value, 2) for value in shown]
-        if measure in SHARES
-        else digits.column(shown, 2)
-    )
-    return ", ".join(f"{names[k]} {size}" for k, size in zip(order[:LISTED], told, strict=True))
-
-
-def _shares(content: Content, output: str) -> tuple[tuple[str, float], ...]:
-    """Sizes of the leading measure by input, in the order of the study, the largest 1."""
-    found = _leading(content, output)
-    if found is None:
-        return ()
-    table, measure, _ = found
-    sizes = np.nan_to_num(np.abs(np.asarray(table[measure].values, dtype=float)))
-    whole = 1.0 if measure in SHARES else float(sizes.max(initial=0.0)) or 1.0
-    return tuple(
-        (name, float(min(size / whole, 1.0)))
-        for name, size in zip(names_of(table), sizes, strict=True)
-    )
-
-
 def _how_good(content: Content, output: str, best: str | None) -> Figure | None:
     """Held-out runs where there are some, otherwise training runs by cross-validation."""
     if best is None:
@@ -252,10 +164,10 @@ def _what_matters(content: Content, output: str) -> Figure | None:
     if "first_order" in table and "total" in table:
         shown = {"first_order": "first order", "total": "total"}
     else:
-        leading = next(iter(measures_of(table)), "")
-        if not leading:
+        first = next(iter(measures_of(table)), "")
+        if not first:
             return None
-        shown = {leading: SHARES.get(leading, leading)}
+        shown = {first: leading.SHARES.get(first, first)}
     series = [
         Bars(
             "dark" if k == 0 else "light",
@@ -264,7 +176,7 @@ def _what_matters(content: Content, output: str) -> Figure | None:
         )
         for k, (name, title) in enumerate(shown.items())
     ]
-    shares = {"first_order", *SHARES} >= set(shown)
+    shares = {"first_order", *leading.SHARES} >= set(shown)
     unit = unit_of(next(iter(shown)), table, content.unit(output))
     label = SHARE if shares else digits.labelled(next(iter(shown)), unit)
     confidence = digits.percent(float(table.attrs.get("confidence", 0.95)))
@@ -351,11 +263,8 @@ def _how_it_responds(content: Content, output: str, best: str | None) -> Figure 
     """The best surrogate along the leading inputs."""
     if best is None:
         return None
-    found = _leading(content, output)
-    names = list(content.space.names)
-    if found is not None:
-        table, _, order = found
-        names = [names_of(table)[k] for k in order]
+    found = leading.leading(content, output)
+    names = list(content.space.names) if found is None else found.names
     if all(content.space[name].categorical for name in names):
         return None
     what = f"mean {output}" if content.is_field(output) else output

@@ -13,7 +13,8 @@ from surrogate.fitting import fit as fitting
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Quadratic
 from surrogate.report import digits
-from surrogate.report.sections.verdict import called, explained, verdict
+from surrogate.report.sections.leading import explained
+from surrogate.report.sections.verdict import called, verdict
 from surrogate.solving.goals import Target
 from surrogate.solving.problem import Problem
 from surrogate.solving.solution import Candidate, Predicted, Solution

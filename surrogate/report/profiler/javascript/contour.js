@@ -11,7 +11,8 @@ export function contour(data, state, ask, fail) {
   const numeric = data.parameters.map((_, j) => j)
     .filter((j) => data.parameters[j].coding.kind !== "levels");
   if (numeric.length < 2) return null;
-  const chosen = { output: 0, x: numeric[0], y: numeric[1] };
+  const [x, y] = data.leading.filter((j) => numeric.includes(j));
+  const chosen = { output: 0, x, y };
   const selects = {};
   const choice = (title, key, options) => {
     selects[key] = el("select", { change: (event) => choose(key, Number(event.target.value)) },

@@ -1,4 +1,4 @@
-// Turning and zooming of a view by pointer, wheel and keys.
+// Turning and zooming of a view by pointer, two fingers, wheel and keys.
 
 const clamped = (value, low, high) => Math.min(Math.max(value, low), high);
 
@@ -13,22 +13,35 @@ export function turning(canvas, view, home, moved, read) {
     view.zoom = clamped(view.zoom * factor, 0.5, 8);
     moved();
   };
-  let before = null;
+  const held = new Map(); // where each finger, or the mouse, was last
+  const apart = () => {
+    const [[a, b], [c, d]] = held.values();
+    return Math.max(Math.hypot(a - c, b - d), 1);
+  };
   canvas.addEventListener("pointerdown", (event) => {
-    before = [event.clientX, event.clientY];
+    held.set(event.pointerId, [event.clientX, event.clientY]);
     canvas.setPointerCapture(event.pointerId);
     read(event);
   });
   canvas.addEventListener("pointermove", (event) => {
+    const before = held.get(event.pointerId);
     if (!before) {
       read(event);
       return;
     }
     const now = [event.clientX, event.clientY];
+    if (held.size === 2) {
+      const span = apart();
+      held.set(event.pointerId, now);
+      zoom(apart() / span);
+      return;
+    }
+    held.set(event.pointerId, now);
     turn(-0.5 * (now[0] - before[0]), event.pointerType === "touch" ? 0 : 0.4 * (now[1] - before[1]));
-    before = now;
   });
-  for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { before = null; });
+  for (const end of ["pointerup", "pointercancel"]) {
+    canvas.addEventListener(end, (event) => held.delete(event.pointerId));
+  }
   canvas.addEventListener("wheel", (event) => {
     if (document.activeElement !== canvas && !event.ctrlKey) return;
     event.preventDefault();
