@@ -80,6 +80,20 @@ class Count:
     runs: int = 0
 
 
+class Marked(subprocess.Popen[bytes]):
+    """A silent process whose descendants are known by the mark in their environment."""
+
+    def __init__(self, command: list[str], mark: str, path: str) -> None:
+        self.mark = mark
+        super().__init__(
+            command,
+            env={**os.environ, "PYTHONPATH": path, MARK: mark},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+
+
 @dataclass
 class Arena:
     """A folder with a journal and a diary, and the processes that were started on it."""
@@ -93,37 +107,29 @@ class Arena:
     marks: dict[str, float] = field(default_factory=dict)
     serial: int = 0
 
-    def start(self, verb: str = "execute", more: str = "") -> subprocess.Popen[bytes]:
+    def start(self, verb: str = "execute", more: str = "") -> Marked:
         """A program that does the runs that are left."""
         text = PROGRAM.format(
             folder=str(self.folder), verb=verb, first=self.first, runs=RUNS, more=more
         )
         return self.process([sys.executable, "-c", text])
 
-    def process(self, command: list[str]) -> subprocess.Popen[bytes]:
-        """A process whose descendants are known by their mark."""
+    def process(self, command: list[str]) -> Marked:
+        """A process whose modules lie in the folder, too."""
         self.serial += 1
         path = os.pathsep.join(filter(None, (str(self.folder), os.environ.get("PYTHONPATH"))))
-        made = subprocess.Popen(
-            command,
-            env={**os.environ, "PYTHONPATH": path, MARK: f"{self.folder.name}-{self.serial}"},
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        made.mark = f"{self.folder.name}-{self.serial}"  # type: ignore[attr-defined]
-        return made
+        return Marked(command, f"{self.folder.name}-{self.serial}", path)
 
-    def kill(self, process: subprocess.Popen[bytes]) -> None:
+    def kill(self, process: Marked) -> None:
         """Kill it; what belongs to it must be gone `PATIENCE` later."""
         with suppress(ProcessLookupError):
             process.send_signal(signal.SIGKILL)
         process.wait()
         self.has_gone(process)
 
-    def has_gone(self, process: subprocess.Popen[bytes]) -> None:
+    def has_gone(self, process: Marked) -> None:
         """From now on nothing of this process may be left for long."""
-        self.marks[process.mark] = time.monotonic()  # type: ignore[attr-defined]
+        self.marks[process.mark] = time.monotonic()
 
     def check(self) -> None:
         """Compare journal and diary with what was done before; see who outlives whom."""
@@ -211,7 +217,7 @@ def workers(arena: Arena, kills: int) -> None:
         children = [
             pid
             for pid, mark in marked()
-            if mark == program.mark and b"spawn_main" in command_of(pid)  # type: ignore[attr-defined]
+            if mark == program.mark and b"spawn_main" in command_of(pid)
         ]
         if children:
             with suppress(ProcessLookupError):

@@ -57,14 +57,20 @@ def figure_tables(figures: Mapping[str, Any], titles: Mapping[str, str]) -> list
 
 
 def _cell(figures: Mapping[str, Any], key: str, output: int, row: int) -> Any:
-    """A figure, with its interval when it has one."""
+    """A figure, with its interval in four decimals when it has one."""
+    value, low, high = _ends(figures, key, output, row)
+    if value is None:
+        return "-"
+    return value if low is None or high is None else f"{value:.4f} [{low:.4f}, {high:.4f}]"
+
+
+def _ends(figures: Mapping[str, Any], key: str, output: int, row: int) -> tuple[Any, Any, Any]:
+    """A figure and the ends of its interval, None for what there is not."""
     value, low, high = (
         _value(figures[name], output, row) if name in figures else None
         for name in (key, f"{key}_low", f"{key}_high")
     )
-    if value is None:
-        return "-"
-    return value if low is None or high is None else f"{value:.4f} [{low:.4f}, {high:.4f}]"
+    return value, low, high
 
 
 def _value(figure: Mapping[str, Any], output: int, row: int) -> Any:
@@ -109,10 +115,7 @@ _AGREEMENT = {
 
 def _agreed(figures: Mapping[str, Any], key: str, output: int, model: int) -> str:
     """A figure of agreement in three digits, with its interval when it has one."""
-    value, low, high = (
-        _value(figures[name], output, model) if name in figures else None
-        for name in (key, f"{key}_low", f"{key}_high")
-    )
+    value, low, high = _ends(figures, key, output, model)
     if value is None:
         return "-"
     return f"{value:.3g}" + (f" [{low:.3g}, {high:.3g}]" if None not in (low, high) else "")

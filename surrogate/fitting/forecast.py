@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from surrogate.fitting.learning import Curve
 from surrogate.fitting.power_law import PowerLaw, power_law
+from surrogate.space.units import dimensionless
 
 Array = NDArray[np.float64]
 #: Value, lower and upper end of the 90 % interval.
@@ -129,7 +130,7 @@ def _figure(value: float) -> str:
 
 
 def _named(unit: str) -> str:
-    return f" {unit}" if unit and unit not in ("1", "dimensionless") else ""
+    return "" if dimensionless(unit) else f" {unit}"
 
 
 def _towards(

@@ -10,6 +10,8 @@ from typing import TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike
 
+from surrogate.space.units import dimensionless
+
 MINUS = "\N{MINUS SIGN}"
 THIN = "\N{NARROW NO-BREAK SPACE}"
 NOTHING = "\N{EN DASH}"
@@ -194,7 +196,7 @@ def unit(text: str) -> str:
 
 def with_unit(text: str, units: str) -> str:
     """A number and its unit, kept on one line; a dimensionless number stands alone."""
-    return f"{text}{THIN}{unit(units)}" if units and units not in ("1", "dimensionless") else text
+    return text if dimensionless(units) else f"{text}{THIN}{unit(units)}"
 
 
 def setting(value: float | str, units: str = "") -> str:
@@ -204,7 +206,7 @@ def setting(value: float | str, units: str = "") -> str:
 
 def labelled(name: str, units: str) -> str:
     """An axis label or table head: `tension (N/mm)`, with (-) when dimensionless."""
-    printed = unit(units) if units and units not in ("1", "dimensionless") else NOTHING
+    printed = NOTHING if dimensionless(units) else unit(units)
     return f"{name} ({printed})"
 
 

@@ -122,6 +122,11 @@ def conversion(unit: str, target: str) -> Conversion:
     return Conversion(one - zero, zero)
 
 
+def dimensionless(unit: str) -> bool:
+    """Whether a unit is none, by the names that solvers give to none."""
+    return unit in ("", "1", "dimensionless")
+
+
 def _named(unit: str) -> str:
     return f"'{unit}', the solver's unit" if unit else "a number without unit, as the solver has it"
 
