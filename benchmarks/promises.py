@@ -32,7 +32,7 @@ from surrogate.regressors.polynomial import Linear, Quadratic
 from surrogate.solving.goals import Objective
 from surrogate.solving.problem import Problem
 from surrogate.solving.solve import solve
-from surrogate.space.constraints import parse
+from surrogate.space.constraint_text import parse
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
 from surrogate_solvers import textbook

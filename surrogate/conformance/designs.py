@@ -11,7 +11,7 @@ import numpy as np
 
 from surrogate.conformance.verdict import attempt, conclude, documented, global_randomness, same
 from surrogate.errors import DesignError
-from surrogate.space.constraints import parse
+from surrogate.space.constraint_text import parse
 from surrogate.space.discrete import integers, listed
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space

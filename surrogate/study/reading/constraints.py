@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from surrogate.solver import Solver
-from surrogate.space.constraints import Relation, parse
+from surrogate.space.constraint_text import parse
+from surrogate.space.constraints import Relation
 from surrogate.study.reading.mistakes import Reading
 
 

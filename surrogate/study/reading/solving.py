@@ -10,7 +10,8 @@ from surrogate.solver import Output, Solver
 from surrogate.solving.goals import Desire, Goal, Objective, Target
 from surrogate.solving.problem import Problem
 from surrogate.space import units
-from surrogate.space.constraints import Relation, parse
+from surrogate.space.constraint_text import parse
+from surrogate.space.constraints import Relation
 from surrogate.space.space import Parameter, Space
 from surrogate.stages.screening import nominal_values
 from surrogate.study.parts.solve import DesirePart, SolvePart, TargetPart

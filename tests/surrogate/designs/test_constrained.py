@@ -20,7 +20,7 @@ from surrogate.designs.optimal import d_optimal
 from surrogate.designs.plackett_burman import plackett_burman
 from surrogate.designs.sobol import sobol
 from surrogate.errors import DesignError
-from surrogate.space.constraints import parse
+from surrogate.space.constraint_text import parse
 from surrogate.space.discrete import integers
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space

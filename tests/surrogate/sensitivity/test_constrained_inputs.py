@@ -14,7 +14,7 @@ from surrogate.sensitivity.conditional import Pairs
 from surrogate.sensitivity.screening import decide
 from surrogate.sensitivity.shapley import shapley
 from surrogate.sensitivity.sobol import sobol
-from surrogate.space.constraints import parse
+from surrogate.space.constraint_text import parse
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
 

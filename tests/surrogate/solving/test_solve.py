@@ -16,7 +16,7 @@ from surrogate.solving.problem import Problem
 from surrogate.solving.promise import Verified
 from surrogate.solving.search import Choice
 from surrogate.solving.solve import solve
-from surrogate.space.constraints import parse
+from surrogate.space.constraint_text import parse
 from surrogate.space.discrete import integers
 from surrogate.space.distributions import distribution
 from surrogate.space.space import Parameter, Space

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from surrogate.errors import StudyError
-from surrogate.space.constraints import parse
+from surrogate.space.constraint_text import parse
 
 UNITS = {"width": "mm", "gap": "cm", "a": "", "b": "", "c": "", "load": "N", "T": "degC", "m": "kg"}
 

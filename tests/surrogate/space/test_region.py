@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from surrogate.errors import StudyError
-from surrogate.space.constraints import parse
+from surrogate.space.constraint_text import parse
 from surrogate.space.discrete import integers
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space

@@ -14,7 +14,7 @@ from scipy import optimize, stats
 from surrogate.fitting.extrapolation import extrapolates
 from surrogate.report.profiler.chosen import chosen, notes
 from surrogate.report.profiler.payload import payload
-from surrogate.space.constraints import parse
+from surrogate.space.constraint_text import parse
 from surrogate.space.discrete import integers, listed
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
