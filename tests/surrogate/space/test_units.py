@@ -102,3 +102,8 @@ def test_a_unit_that_would_be_computed_for_ever_is_refused_unread(text):
 )
 def test_units_that_people_write_are_read(text):
     assert units.known(text)
+
+
+@pytest.mark.parametrize("unit", ["", "1", "dimensionless"])
+def test_numbers_without_unit_are_known_by_three_names(unit):
+    assert units.dimensionless(unit) and not units.dimensionless("1/s")

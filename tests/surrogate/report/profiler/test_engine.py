@@ -258,3 +258,8 @@ def test_best_surrogate_without_portable_form_is_named():
     assert (shown.surrogate, shown.best) == (other, best)
     (said,) = notes(content, [shown])
     assert said.startswith(f"pressure_b1 is shown by {other}") and best in said
+
+
+def test_the_map_starts_with_the_inputs_that_matter_most():
+    content = content_of(LAWS)
+    assert payload(content, chosen(content), ["teeth", "cut"])["leading"] == [4, 1, 0, 2, 3, 5, 6]
