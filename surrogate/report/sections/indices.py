@@ -23,6 +23,7 @@ from surrogate.report.figures.interactions import interaction_map
 from surrogate.report.figures.sobol import SHARE, Bars, index_bars, part_bars
 from surrogate.report.sections import groups, measures
 from surrogate.report.sections.measures import Index, index, method_of, names_of, sort_key
+from surrogate.sensitivity import ranks
 
 #: Interactions listed by name.
 LISTED = 10
@@ -108,8 +109,9 @@ def _sobol(content: Content, output: str, table: xr.Dataset, stamp: str) -> list
             )
         )
         numbers.append(_interactions(names, second))
+    tied = ranks.sentence(names, "total index", *(total[end] for end in ("value", "low", "high")))
     return [
-        Text(_how(table, first)),
+        Text(" ".join(filter(None, [_how(table, first), tied]))),
         Figures(tuple(figures)),
         Fold("Indices in numbers", tuple(numbers), open=True),
     ]

@@ -18,6 +18,9 @@ METHODS = {
     "morris": "elementary effects (Morris)",
     "dgsm": "squared derivatives (DGSM)",
     "pawn": "PAWN",
+    "rbd_fast": "first-order indices (RBD-FAST)",
+    "quantile": "goal-oriented indices of a quantile",
+    "target": "Sobol' indices of whether the limit is exceeded",
 }
 #: What the measures of the methods that ship are, and the power of the output's unit in them.
 KNOWN = {
@@ -29,6 +32,8 @@ KNOWN = {
     "median": (0, "median distance of the conditional distributions (PAWN)"),
     "mean": (0, "mean distance of the conditional distributions (PAWN)"),
     "maximum": (0, "largest distance of the conditional distributions (PAWN)"),
+    "first_order_rbd": (0, "share of the variance by the parameter alone (RBD-FAST)"),
+    "quantile_share": (0, "share of the loss at the quantile that knowing the parameter saves"),
     "shapley": (0, "Shapley effect: share of the variance, dependence split evenly"),
     "closed_first_order": (
         0,
@@ -142,6 +147,9 @@ def method_of(table: xr.Dataset) -> str:
     words += [f"of surrogate {surrogate}"] if surrogate else []
     computed = str(table.attrs.get("computed", ""))
     words += [f"by {computed}"] if computed else []
+    words += [f"(output {table.attrs['event']})"] if table.attrs.get("event") else []
+    if "probability" in table.attrs:
+        words += [f"at probability {table.attrs['probability']:g}"]
     return f"Method: {' '.join(word for word in words if word)}."
 
 
