@@ -26,6 +26,7 @@ from .bandage.products import BANDAGES
 from .geometry.basis import fit_basis, shipped_basis
 from .geometry.cohort import write_cohort
 from .prediction import (
+    PUBLISHED,
     BandageChoiceError,
     Prediction,
     Reduced,
@@ -34,6 +35,7 @@ from .prediction import (
     summary,
 )
 from .prediction.page import person_page
+from .prediction.summary_points import gradient_words, point_rows
 from .scan import FittedScan, ScanError, fit_scan
 from .scan.growing import GrownCohort, build_cohort, cohort_in
 from .scan.page import cohort_page, scan_page
@@ -134,6 +136,17 @@ def predict_verb(
         float | None,
         typer.Option(help="Friction on the skin; default: 0.2, and the interval holds 0.1 to 0.3."),
     ] = None,
+    known_hand: Annotated[
+        bool,
+        typer.Option(
+            "--known-hand",
+            help="Stretch and overlap were measured as laid: leave their scatter out.",
+        ),
+    ] = False,
+    gradient: Annotated[
+        str,
+        typer.Option(metavar="MMHG:MMHG", help="Target at the ankle and at the knee."),
+    ] = "40:17",
     solve: Annotated[
         bool,
         typer.Option("--solve", help="Run the finite element model too, on the scan's sections."),
@@ -158,7 +171,8 @@ def predict_verb(
 ) -> None:
     """Predict the pressure under a bandage on the leg of a scan, with its interval."""
     _reachable(html)
-    choice = choose_bandage(bandage, tension, stretch, mu_skin)
+    choice = choose_bandage(bandage, tension, stretch, mu_skin, None if known_hand else PUBLISHED)
+    target = _two_pressures(gradient)
     if mesh is not None and not solve:
         raise BandageChoiceError(
             f"--mesh {mesh} is that of the model which --solve runs; add --solve"
@@ -166,7 +180,7 @@ def predict_verb(
     reduced = Reduced.read(study)
     with threadpool_limits(1):  # its matrices are small
         fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends)
-    told = predict_pressure(fitted, choice, reduced, (mesh or "coarse") if solve else None)
+    told = predict_pressure(fitted, choice, reduced, (mesh or "coarse") if solve else None, target)
     if html is not None:
         _write(html, person_page(told))
     if as_json:
@@ -215,6 +229,20 @@ def build_cohort_verb(
         print(json.dumps(_grown_figures(grown, out), indent=1))
     else:
         _show_cohort(grown, out, Console())
+
+
+def _two_pressures(words: str) -> tuple[float, float]:
+    """Two pressures, mmHg, from `40:17`; raises BandageChoiceError."""
+    try:
+        ankle, knee = (float(word) for word in words.split(":"))
+    except ValueError:
+        ankle = knee = float("nan")
+    if not (0 < ankle < 200 and 0 < knee < 200):
+        raise BandageChoiceError(
+            f"--gradient {words!r} is not two pressures in mmHg from 0 to 200; give the one at the "
+            "ankle and the one at the knee, as 40:17"
+        )
+    return ankle, knee
 
 
 def _learnt(path: Path | None, modes: int) -> dict[str, Any]:
@@ -273,6 +301,10 @@ def _show_prediction(told: Prediction, console: Console) -> None:
     console.print(_table(("pressure at B1", "mmHg", "95 % interval", "on"), summary.answers(told)))
     say("")
     console.print(_table(("interval", "mmHg", "is"), summary.parts(told)))
+    say("")
+    headings = ("point", "height, mm", "mmHg", "95 % interval", "target", "class of stockings")
+    console.print(_table(headings, point_rows(told)))
+    say(f"\n{gradient_words(told)}")
     say("")
     for note in (*told.notes, *told.scan.notes):
         say(f"- {note}")

@@ -42,6 +42,15 @@ OUTPUTS: Mapping[str, Output] = {
     ),
     "pressure_ankle": _mmhg("the sensor with its lower rim at the narrowest girth"),
     "pressure_calf": _mmhg("the sensor at the widest girth, or as high as two layers reach"),
+    "pressure_gradient": Output(
+        gaps=True, description="pressure_calf over pressure_ankle; NaN where the ankle has none"
+    ),
+    "pressure_profile": Output(
+        unit="mmHg",
+        dims=("height",),
+        coordinates={"height": HEIGHTS},
+        description="mean pressure around the leg; height over leg length",
+    ),
     "sensor_variation": _mmhg("mean change of pressure_b1 when the sensor moves by 10 mm"),
     "b1_height": Output(unit="mm", description="height of B1 above the ankle cut"),
     "stretch_midline": Output(description="mean warp stretch of the midline, end turns left out"),
@@ -77,12 +86,16 @@ def answers(
     def pressed(height):
         return on_disc(found, leg, Disc(MEDIAL, height))[0]
 
+    skin = field(found, leg, np.radians(ANGLES), HEIGHTS)
+    at_ankle, at_calf = pressed(ankle + 25.0), pressed(min(calf, highest))
     return {
         "pressure_b1": at_b1,
-        "pressure_field": field(found, leg, np.radians(ANGLES), HEIGHTS),
+        "pressure_field": skin,
         **{f"pressure_b1_{name}": pressed(_height(leg, name)) for name in RULES},
-        "pressure_ankle": pressed(ankle + 25.0),
-        "pressure_calf": pressed(min(calf, highest)),
+        "pressure_ankle": at_ankle,
+        "pressure_calf": at_calf,
+        "pressure_gradient": at_calf / at_ankle if at_ankle > 0 else np.nan,
+        "pressure_profile": skin.mean(axis=0),
         "sensor_variation": float(np.mean(np.abs(np.array(circle) - at_b1))),
         "b1_height": z,
         **{

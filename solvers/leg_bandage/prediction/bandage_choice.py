@@ -10,6 +10,7 @@ from surrogate.errors import SurrogateError, nearest
 
 from ..bandage.products import BANDAGES, STRETCH, bandage
 from ..parameters import INPUTS
+from .hand import PUBLISHED, Hand
 
 MU_SKIN = 0.2
 MU_RANGE = (0.1, 0.3)
@@ -30,6 +31,7 @@ class BandageChoice:
     stretch   as laid: length over rest length
     mu_skin   friction coefficient of bandage on skin
     mu_range  where mu_skin lies when nobody measured it; None: it is known
+    hand      how stretch and overlap scatter about what was meant; None: they are as laid
     """
 
     bandage: str | None
@@ -37,6 +39,7 @@ class BandageChoice:
     stretch: float
     mu_skin: float
     mu_range: tuple[float, float] | None
+    hand: Hand | None = None
 
     @property
     def constant(self) -> float:
@@ -54,10 +57,12 @@ def choose_bandage(
     tension: float | None = None,
     stretch: float = STRETCH,
     mu_skin: float | None = None,
+    hand: Hand | None = PUBLISHED,
 ) -> BandageChoice:
     """A named bandage, or one of this tension at stretch 1.3; raises BandageChoiceError.
 
-    mu_skin: None for unknown, 0.2 with a range of 0.1 to 0.3.
+    mu_skin: None for unknown, 0.2 with a range of 0.1 to 0.3. hand: scatter of stretch and
+    overlap; None where both were measured on the bandage as laid.
     """
     if bandage is not None and tension is None:
         found = _tension_of(bandage)
@@ -78,6 +83,7 @@ def choose_bandage(
         float(stretch),
         MU_SKIN if mu_skin is None else mu_skin,
         MU_RANGE if mu_skin is None else None,
+        hand,
     )
 
 

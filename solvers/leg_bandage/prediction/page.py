@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from ..scan.page import render
-from . import summary
+from . import summary, summary_points
 from .coloured_leg import (
     BARE,
     BARE_UNDER,
@@ -18,7 +18,7 @@ from .coloured_leg import (
     pressure_on,
     surface_of,
 )
-from .pictures import answers_drawn, colour_bar, four_sides
+from .pictures import along_drawn, answers_drawn, colour_bar, four_sides
 from .pressure import Prediction
 
 TABLE_HEIGHTS = np.arange(0.9, -0.01, -0.1)
@@ -35,6 +35,9 @@ def person_page(told: Prediction) -> str:
         choice=summary.choice_words(told),
         answers=summary.answers(told),
         parts=summary.parts(told),
+        points=summary_points.point_rows(told),
+        gradient=summary_points.gradient_words(told),
+        along=Markup(along_drawn(told)),
         coordinates=summary.coordinate_rows(told),
         field=_field_words(told),
         height=None if surface.at is None else surface.at[1],

@@ -6,7 +6,7 @@ from html import escape
 
 import numpy as np
 
-from ..scan.drawing import ticks
+from ..scan.drawing import curves, ticks
 from .coloured_leg import RAYS, SIDES, STOPS, Surface, colours
 from .pressure import Prediction
 
@@ -153,4 +153,23 @@ def answers_drawn(told: Prediction, width: int = 400) -> str:
     return (
         f'<svg viewBox="0 0 {width} {bottom + 40}" role="img" aria-label="pressure at B1 by '
         f'each method">{"".join(parts)}</svg>'
+    )
+
+
+def along_drawn(told: Prediction) -> str:
+    """Mean and range around the leg, along it, with the target and the points."""
+    curve, points = told.curve(), {point.name: point.place.height for point in told.points}
+    ends = (points["B"], points["D"])
+    return curves(
+        curve.height,
+        {
+            "mean": curve.mean,
+            "lowest": curve.lowest,
+            "highest": curve.highest,
+            "target": np.interp(curve.height, ends, told.gradient),
+        },
+        "height above the ankle cut, mm",
+        "pressure, mmHg",
+        marks={name: at for name, at in points.items() if at <= curve.height[-1]},
+        from_zero=True,
     )

@@ -18,9 +18,12 @@ from ..bandage.products import STRETCH
 from ..geometry.leg import Leg
 from ..plugin import LegBandage
 from ..scan import FittedScan
+from .along import GRADIENT, Curve, Point, curve_of, points_of
 from .bandage_choice import BandageChoice
 from .interval import Part, joined, parts_of
+from .points import KNEE_GIRTH, KNEE_HEIGHT, ONE_LAYER, under_sensor
 from .reduced import Reduced
+from .shape import Shape
 from .shape_correction import by_laplace_if_it_can, by_tape, shape_law
 
 
@@ -63,6 +66,8 @@ class Prediction:
     tape              mmHg by Laplace's law on the girth of the scan at B1; None without B1
     solved            None unless asked for
     unsolved          why the finite element model has no answer; empty if it has, or was not asked
+    points            the pressure at B, B1, C and D
+    gradient          mmHg at ankle and knee that the points are set against
     """
 
     scan: FittedScan
@@ -80,6 +85,8 @@ class Prediction:
     tape: float | None
     solved: Solved | None
     unsolved: str
+    points: tuple[Point, ...]
+    gradient: tuple[float, float]
 
     @property
     def extrapolates(self) -> bool:
@@ -97,12 +104,36 @@ class Prediction:
             return self.solved.skin
         return Skin(*self.reduced.skin_pressure(self.inputs))
 
+    def curve(self) -> Curve:
+        """Mean and range around the leg, along it: of `skin`."""
+        skin = self.skin()
+        return curve_of(skin.pressure, skin.height, self.scan.length)
+
+    def solved_at(self, point: Point) -> float | None:
+        """mmHg at a point by the finite element model; None where it was not asked."""
+        if self.solved is None:
+            return None
+        skin = self.solved.skin
+        read = under_sensor(
+            skin.theta, skin.height, skin.pressure, self.scan.scanned, point.place.read
+        )
+        return read * point.place.carried
+
 
 def predict_pressure(
-    scan: FittedScan, choice: BandageChoice, reduced: Reduced, mesh: str | None = None
+    scan: FittedScan,
+    choice: BandageChoice,
+    reduced: Reduced,
+    mesh: str | None = None,
+    gradient: tuple[float, float] = GRADIENT,
 ) -> Prediction:
-    """The pressure at B1; mesh: of the finite element model to solve beside, None for none."""
-    inputs = reduced.inputs(coordinates(scan), choice)
+    """The pressure at B1 and along the leg.
+
+    mesh      of the finite element model to solve beside, None for none
+    gradient  mmHg at ankle and knee to set the points against
+    """
+    shape = Shape(scan.scanned, scan.leg, scan.knee)
+    inputs = reduced.inputs(shape.coordinates, choice)
     laplace = {
         name: by_laplace_if_it_can(leg, choice.effective_tension)
         for name, leg in (("scanned", scan.scanned), ("fitted", scan.leg))
@@ -110,7 +141,7 @@ def predict_pressure(
     factor = shape_law().factor(laplace)
     on_modes = float(reduced.at_b1.predict(reduced.coded(inputs))[0])
     value = on_modes if factor is None else factor * on_modes
-    parts = parts_of(reduced, inputs, factor, choice.mu_range)
+    parts = parts_of(reduced, inputs, factor, choice)
     outside = reduced.outside(inputs)
     solved, unsolved = _solved(scan.scanned, choice, mesh)
     return Prediction(
@@ -128,15 +159,9 @@ def predict_pressure(
         by_tape(scan.scanned, choice.effective_tension),
         solved,
         unsolved,
+        points_of(shape, reduced, choice, (value, parts), gradient=gradient),
+        gradient,
     )
-
-
-def coordinates(scan: FittedScan) -> dict[str, float]:
-    """The fitted leg in the names of the solvers' inputs."""
-    return {
-        "leg_length": scan.length,
-        **{f"alpha{k}": alpha for k, alpha in enumerate(scan.alphas, 1)},
-    }
 
 
 def solve_on(leg: Leg, choice: BandageChoice, mesh: str) -> Solved:
@@ -194,6 +219,9 @@ def _notes(told: Prediction) -> Iterator[str]:
             f"{choice.constant:.4f} N/mm (Chassagne et al. 2018, equation 10): a straight line "
             f"for the bandage, and a loss of stretch on the leg as at {STRETCH:g}."
         )
+    if choice.hand is None:
+        yield "Stretch and overlap are taken as laid: the interval has no part for the hand."
+    yield from _about_points(told)
     if told.solved:
         yield (
             "The finite element value is one run on the scan's own sections, with mu_skin "
@@ -202,10 +230,24 @@ def _notes(told: Prediction) -> Iterator[str]:
     if told.unsolved:
         yield f"The finite element model has no answer for this leg: {told.unsolved}."
     yield (
-        "No interval here holds the bandager's hand (stretch, overlap), the assumed constants "
-        "of the fabric, or how far the finite element model is from a measured pressure: "
-        "9.7 % on the average in Chassagne et al. 2018."
+        "No interval here holds the assumed constants of the fabric, or how far the finite "
+        "element model is from a measured pressure: 9.7 % on the average in Chassagne et al. "
+        "2018."
     )
+
+
+def _about_points(told: Prediction) -> Iterator[str]:
+    yield (
+        "B, B1, C and D are read by a 50 mm sensor on the medial side, that at B with its lower "
+        "rim at the narrowest girth. The runs wrap the leg up to the upper cut; pressures "
+        f"further up than {told.scan.length - ONE_LAYER:.0f} mm are those of a bandage that goes "
+        "on to the knee, carried up by the girth (Laplace's law of the tape measure)."
+    )
+    if not all(point.place.known for point in told.points):
+        yield (
+            "The scan does not show D, the narrow girth under the knee: it is taken at "
+            f"{KNEE_HEIGHT:g} of the height and {KNEE_GIRTH:g} of the girth of the calf."
+        )
 
 
 def _beyond(outside: Mapping[str, tuple[float, float, float]]) -> str:

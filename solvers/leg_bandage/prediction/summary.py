@@ -9,6 +9,7 @@ from ..bandage.products import STRETCH
 from ..scan.summary import figures as scan_figures
 from .interval import CONFIDENCE
 from .pressure import Prediction
+from .summary_points import point_figures
 
 Row = tuple[str, str, str, str]
 OWN, MODES = "scan's own sections", "leg of the shape modes"
@@ -40,6 +41,7 @@ def figures(told: Prediction) -> dict[str, Any]:
             "rmse": fit.rmse,
             "inputs": dict(told.inputs),
         },
+        **point_figures(told),
         "extrapolates": told.extrapolates,
         "outside": {
             name: dict(zip(("value", "low", "high"), place, strict=True))

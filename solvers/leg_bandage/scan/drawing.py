@@ -11,8 +11,8 @@ import numpy as np
 from .fitting import FittedScan
 from .sections import THETA
 
-DASHES = ("", "7 4", "2 3")
-COLOURS = ("#1b1b1b", "#c2410c", "#1d4ed8")
+DASHES = ("", "7 4", "2 3", "9 3 2 3")
+COLOURS = ("#1b1b1b", "#c2410c", "#1d4ed8", "#15803d")
 """A line of its own colour has its own dashes too: for black and white."""
 
 WIDTH, HEIGHT = 560, 300

@@ -18,6 +18,7 @@ from .cuts import Cuts, find_cuts
 from .decimation import decimated
 from .directions import Directions
 from .errors import ScanError
+from .knee import knee_of
 from .pose import (
     SETTLED,
     STEPS,
@@ -71,6 +72,8 @@ class FittedScan:
     side      right or left; a left leg was mirrored
     unit      of the file
     notes     sentences on what was assumed, done and seen
+    knee      height above the ankle cut and girth, mm, of the narrowest girth under the knee;
+              None where the scan does not show it
     """
 
     path: Path
@@ -84,6 +87,7 @@ class FittedScan:
     side: str
     unit: str
     notes: tuple[str, ...]
+    knee: tuple[float, float] | None = None
 
     @property
     def coordinates(self) -> dict[str, float]:
@@ -163,9 +167,10 @@ def fit_scan(
             *cuts.notes,
             *_about_holes(sections),
         )
-        return _fitted(
+        fitted = _fitted(
             Path(path), sections, basis, lengths or _shipped_lengths(), leg.side, found, notes
         )
+        return replace(fitted, knee=knee_of(body, cuts))
     except ScanError as error:
         raise ScanError(f"{path}: {error}") from None
 

@@ -44,6 +44,14 @@ def test_a_moved_sensor_reads_the_same_field_elsewhere(rough_result):
     assert np.array_equal(moved.values["pressure_field"], values["pressure_field"])
 
 
+def test_profile_and_gradient_come_from_the_field_and_the_sensors(rough_result):
+    """Mean around the leg at every height; calf over ankle."""
+    values = rough_result.values
+    np.testing.assert_allclose(values["pressure_profile"], values["pressure_field"].mean(axis=0))
+    ratio = values["pressure_calf"] / values["pressure_ankle"]
+    assert values["pressure_gradient"] == pytest.approx(ratio) and 0.2 < ratio < 3
+
+
 def test_sensor_variation_is_the_mean_over_moved_sensors(rough_result):
     """Eight sensors on a circle of 10 mm, read as `sensor_around` and `sensor_up` move them."""
     places = _circle(10.0)

@@ -19,6 +19,7 @@ from surrogate_solvers.leg_bandage.geometry.landmarks import b1_height, sensor
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
 from surrogate_solvers.leg_bandage.prediction import (
     BandageChoiceError,
+    Hand,
     Reduced,
     choose_bandage,
     coloured_leg,
@@ -27,6 +28,7 @@ from surrogate_solvers.leg_bandage.prediction import (
     shape_correction,
 )
 from surrogate_solvers.leg_bandage.prediction.page import person_page
+from surrogate_solvers.leg_bandage.prediction.points import local_laplace, places
 from surrogate_solvers.leg_bandage.prediction.pressure import Skin, Solved
 from surrogate_solvers.leg_bandage.scan import fit_scan
 
@@ -123,15 +125,18 @@ def test_correction_to_the_scans_own_sections(told):
 
 
 def test_parts_of_the_interval(told):
-    """Surrogate 0, friction +-20 x 0.1, leg shape its share of the value; roots of sums."""
+    """Surrogate 0, friction +-20 x 0.1, shape and hand their share of the value; roots of sums."""
     parts = {part.name: part for part in told.parts}
     assert parts["surrogate"].high == pytest.approx(0, abs=1e-6)
     two = 2 * told.value / told.on_modes
     assert (parts["friction"].low, parts["friction"].high) == pytest.approx((-two, two), abs=1e-6)
     missed = shape_correction.shape_law().error() * told.value
     assert parts["leg shape"].high == pytest.approx(missed)
-    half = np.hypot(two, missed)
-    assert (told.low, told.high) == pytest.approx((told.value - half, told.value + half), abs=1e-6)
+    hand = parts["hand"]
+    ends = [end * told.value for end in Hand().interval(1.25, 0.95)]
+    assert (hand.low, hand.high) == pytest.approx(ends)
+    down, up = (np.linalg.norm([two, missed, end]) for end in ends)
+    assert (told.low, told.high) == pytest.approx((told.value - down, told.value + up), abs=1e-6)
 
 
 def test_leg_that_laplace_cannot_answer_is_not_corrected(scan, study, monkeypatch):
@@ -150,9 +155,37 @@ def test_leg_that_laplace_cannot_answer_is_not_corrected(scan, study, monkeypatc
 
 
 def test_known_friction_leaves_its_part_out(scan, study):
-    found = predict_pressure(scan, choose_bandage("biflex_16", mu_skin=0.15), Reduced.read(study))
-    assert [part.name for part in found.parts] == ["surrogate", "leg shape"]
+    choice = choose_bandage("biflex_16", mu_skin=0.15)
+    found = predict_pressure(scan, choice, Reduced.read(study))
+    assert [part.name for part in found.parts] == ["surrogate", "leg shape", "hand"]
     assert found.on_modes == pytest.approx(answer(scan.leg, found.choice.tension, 0.15), abs=1e-6)
+
+
+def test_known_hand_leaves_its_part_out(scan, study):
+    choice = choose_bandage("biflex_16", hand=None)
+    found = predict_pressure(scan, choice, Reduced.read(study))
+    assert [part.name for part in found.parts] == ["surrogate", "leg shape", "friction"]
+    assert any("taken as laid" in note for note in found.notes)
+
+
+def test_points_along_the_leg(told, scan, study):
+    """The cheap field is on_modes 1.5 (1 - h / 2) on the medial side: read, corrected, carried.
+
+    Within 1 %: the sensor spans 40 degrees of a field that is piecewise linear over 30.
+    """
+    points = {point.name: point for point in told.points}
+    assert list(points) == ["B", "B1", "C", "D"]
+    assert (points["B1"].value, points["B1"].low) == (told.value, told.low)
+    fitted = places(scan.leg)
+    for name in ("B", "C", "D"):
+        place, read = points[name].place, fitted[name].read
+        around = told.on_modes * (1 - read / scan.leg.length / 2)
+        ratio = local_laplace(scan.scanned, place.read) / local_laplace(scan.leg, read)
+        expected = 1.45 * around * ratio ** shape_correction.shape_law().exponent * place.carried
+        assert points[name].value == pytest.approx(expected, rel=0.04)
+        assert points[name].low < points[name].value < points[name].high
+    ends = [points["B"].target, points["D"].target]
+    assert ends == [40.0, 17.0] and 17 < points["C"].target < points["B1"].target < 40
 
 
 def test_friction_that_never_lowers_the_pressure_has_no_lower_part(told):
@@ -337,13 +370,26 @@ def test_command_for_people_and_scripts(command, scan_file, study, told, tmp_pat
     assert re.search(rf"reduced model +{told.value:.1f} +{told.low:.1f} \.\. {told.high:.1f}", out)
     assert re.search(rf"Laplace, tape measure +{told.tape:.1f} ", out)
     assert re.search(rf"Laplace, curvature at B1 +{told.laplace['scanned']:.1f} ", out)
+    out_words = out
     assert re.search(r"friction +-2\.\d / \+2\.\d +mu_skin anywhere between", out)
     status, out, _ = command(*words, "--json", "--html", page)
     found = json.loads(out)
     assert status == 0 and found["extrapolates"] is False and found["solved"] is None
     assert found["pressure_b1"]["value"] == pytest.approx(told.value)
     assert found["laplace"] == pytest.approx({**told.laplace, "tape": told.tape})
+    assert list(found["points"]) == ["B", "B1", "C", "D"]
+    point = found["points"]["B1"]
+    assert (point["value"], point["low"]) == (found["pressure_b1"]["value"], told.low)
+    assert point["class"].keys() == {"RAL-GZ 387", "BS 7505"}
+    assert len(found["profile"]["mean"]) == len(found["profile"]["height"]) == 6
+    assert found["profile"]["mean"][0] == pytest.approx(told.on_modes, rel=1e-3)
+    assert found["profile"]["highest"][0] == pytest.approx(1.5 * told.on_modes, rel=1e-3)
+    assert found["gradient"]["target"]["knee_over_ankle"] == 17 / 40
+    assert re.search(
+        rf"B1 +{point['height']:.0f} +{told.value:.1f} +{told.low:.1f} \.\. ", out_words
+    )
     text = page.read_text(encoding="utf-8")
+    assert "pressure, mmHg against height" in text and "class of stockings" in text
     assert "Laplace, tape measure" in text and "Laplace, tape" in text
     assert "default-src 'none'" in text and f"<strong>{told.value:.1f} mmHg</strong>" in text
     assert not re.search(r"https?://|\bsrc=|<link|@import|\bfetch\(", text)
@@ -388,6 +434,8 @@ def test_finite_elements_on_the_scans_own_sections(scan, study):
         (("nowhere.stl", "--tension", "0.1"), "there is no such file"),
         (("HALF", "--tension", "0.1"), "scan"),
         (("SCAN", "--tension", "0.1", "--mesh", "coarse"), "add --solve"),
+        (("SCAN", "--tension", "0.1", "--gradient", "40"), "is not two pressures"),
+        (("SCAN", "--tension", "0.1", "--gradient", "40:-1"), "as 40:17"),
         (("SCAN", "--tension", "0.1", "--study", "nowhere.yaml"), "there is no such stored study"),
     ],
 )
