@@ -20,6 +20,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.estimator import Groups
 from surrogate.regressors import anova, portable, regression
+from surrogate.regressors.canonical import Canonical, canonical
 from surrogate.regressors.columns import Column, columns_of, expand
 from surrogate.regressors.least_squares import LeastSquares, least_squares, least_squares_of_many
 from surrogate.space.space import Space
@@ -125,6 +126,11 @@ class TermRegressor(RegressorMixin, BaseEstimator):
         return regression.table(
             self.model_, self.points_, confidence=confidence, deterministic=deterministic
         )
+
+    def canonical(self) -> Canonical | None:
+        """Stationary point and axes of a full quadratic in numbers; see `regressors.canonical`."""
+        check_is_fitted(self)
+        return canonical(self.terms_, self.columns_, self.model_)
 
     def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
         """Exact Sobol' indices of the polynomial under the space's law, of inputs or groups."""

@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 
 from surrogate.errors import FitError
+from surrogate.regressors.box_cox import box_cox
 from surrogate.regressors.least_squares import LEVERAGE_TOLERANCE, LeastSquares
+from surrogate.regressors.lenth import of_saturated
 
 Array = NDArray[np.float64]
 
@@ -40,13 +42,20 @@ def table(
     high, vif. Scalars: r2, r2_adjusted, press, q2, residual_sd, f, f_p, aicc,
     lack_of_fit_f, lack_of_fit_p and degrees of freedom. Dimension `run`: residual,
     leverage, cooks_distance, studentised (internal), studentised_external.
-    What the runs cannot tell is NaN, and `notes` says why.
+    What the runs cannot tell is NaN, and `notes` says why. Besides, where they exist: Lenth's
+    pseudo standard error and margins of a saturated fit (lenth_pse, lenth_margin,
+    lenth_simultaneous), and Box and Cox's power of the output (box_cox, box_cox_low,
+    box_cox_high; the attribute `transformation` names a round one that does better than y).
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         columns = {name: ("term", value) for name, value in _terms(model, confidence).items()}
         rows = {name: ("run", value) for name, value in _runs(model).items()}
         pure = _lack_of_fit(model, model.matrix if points is None else np.asarray(points))
-        scalars = {name: ((), float(value)) for name, value in {**_summary(model), **pure}.items()}
+        numbers = {**_summary(model), **pure, **_lenth(model, confidence)}
+        power = box_cox(model, confidence)
+        if power is not None:
+            numbers |= {"box_cox": power.best, "box_cox_low": power.low, "box_cox_high": power.high}
+        scalars = {name: ((), float(value)) for name, value in numbers.items()}
     notes = _notes(model, pure) + ([DETERMINISTIC] if deterministic else [])
     return xr.Dataset(
         {**columns, **scalars, **rows},
@@ -55,6 +64,7 @@ def table(
             "confidence": confidence,
             "notes": "\n".join(notes),
             "deterministic": int(deterministic),
+            "transformation": power.transformation if power is not None else "",
         },
     )
 
@@ -79,6 +89,11 @@ def _terms(model: LeastSquares, confidence: float) -> dict[str, Array]:
         "high": coefficient + half,
         "vif": np.where(constant, np.nan, unscaled * about_mean),
     }
+
+
+def _lenth(model: LeastSquares, confidence: float) -> dict[str, float]:
+    found = of_saturated(model, confidence)
+    return {} if found is None else {f"lenth_{name}": value for name, value in vars(found).items()}
 
 
 def _student(confidence: float, freedom: int) -> float:

@@ -11,7 +11,7 @@ from reader import read
 
 from surrogate import report
 from surrogate.report import digits
-from surrogate.report.sections.effects import influence
+from surrogate.report.sections.goodness import influence
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from surrogate.fitting import fit as fitting
 from surrogate.regressors.polynomial import Linear
 from surrogate.regressors.regression import nested
 from surrogate.report import digits
-from surrogate.report.sections.effects import comparisons, influence, sentences
+from surrogate.report.sections.goodness import comparisons, influence, sentences
 
 
 def test_nested_models_are_tested_in_order(study):
