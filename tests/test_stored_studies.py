@@ -124,6 +124,23 @@ def test_points_along_the_leg_against_finite_elements():
     assert np.mean(falls) > 0.9
 
 
+def test_pressure_goes_with_layers_and_strain():
+    """Powers of 1 / (1 - overlap), stretch - 1 and tension on runs over hand, leg and fabric.
+
+    Laplace's law says 1 each, and a plan takes 1: the layers within 0.05, the strain within 0.15
+    (the loss of stretch on the leg does not shrink with it).
+    """
+    runs = Study.from_yaml(ROOT / "studies/bandage_variability.yaml").stored_runs[0].runs
+    runs = runs.isel(run=runs["status"].values == "ok")
+    shape = [runs[f"alpha{k}"] for k in (1, 2, 3, 4)]
+    others = [runs["leg_length"], runs["mu_skin"], runs["mu_skin"] * runs["alpha1"]]
+    place = [runs["sensor_around"], runs["sensor_up"], runs["start_height"]]
+    powers = [-np.log(1 - runs["overlap"]), np.log(runs["stretch"] - 1), np.log(runs["tension"])]
+    terms = np.column_stack([*powers, *shape, *others, *place, np.ones(runs.sizes["run"])])
+    found = np.linalg.lstsq(terms, np.log(runs["pressure_b1"].values), rcond=None)[0][:3]
+    assert np.all(np.abs(found - 1) < [0.05, 0.15, 0.1])
+
+
 @pytest.mark.slow
 def test_the_stored_runs_put_the_promise_of_bandage_target_to_the_test(tmp_path):
     """Stretch and overlap for 40 mmHg on the mean leg: found anew, verified by runs that ship."""

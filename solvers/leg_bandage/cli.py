@@ -10,21 +10,40 @@ import json
 import os
 import sys
 import traceback
-from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.table import Table
 from threadpoolctl import threadpool_limits
 
 from surrogate.errors import StudyError, SurrogateError
 
-from .bandage.products import BANDAGES
 from .geometry.basis import fit_basis, shipped_basis
 from .geometry.cohort import write_cohort
+from .options import (
+    AsJson,
+    BandageName,
+    Ends,
+    Front,
+    Gradient,
+    Html,
+    KnownHand,
+    Length,
+    Mesh,
+    MuSkin,
+    Scan,
+    Side,
+    StudyFile,
+    Tension,
+    Unit,
+    Up,
+    reachable,
+    table,
+    two_pressures,
+)
+from .plan_command import plan_verb
 from .prediction import (
     PUBLISHED,
     BandageChoiceError,
@@ -49,31 +68,6 @@ app = typer.Typer(
     help="From the scan of a leg to the pressure under its bandage.",
 )
 
-Side = Annotated[str, typer.Option(help="right, left, or auto: the side that fits better.")]
-Unit = Annotated[
-    str | None,
-    typer.Option(
-        help="Of the file: mm, cm, inch or m; default: the one that makes the ankle an ankle."
-    ),
-]
-Up = Annotated[
-    str | None,
-    typer.Option(
-        metavar="AXIS", help="Axis of the file that points up the leg: z, -y ...; keeps the tilt."
-    ),
-]
-Front = Annotated[
-    str | None,
-    typer.Option(metavar="AXIS", help="Axis of the file that points to the front; needs --up."),
-]
-Length = Annotated[
-    float | None,
-    typer.Option(metavar="MM", help="Of the leg to take above the ankle; default: to the calf."),
-]
-Ends = Annotated[bool, typer.Option("--ends", help="Cut where the scan ends.")]
-Html = Annotated[Path | None, typer.Option(metavar="PAGE", help="Write a page that opens offline.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for scripts.")]
-
 
 @app.callback()
 def _verbs() -> None:
@@ -82,7 +76,7 @@ def _verbs() -> None:
 
 @app.command("fit-scan")
 def fit_scan_verb(
-    scan: Annotated[Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ.")],
+    scan: Scan,
     side: Side = "auto",
     unit: Unit = None,
     up: Up = None,
@@ -98,7 +92,7 @@ def fit_scan_verb(
     as_json: AsJson = False,
 ) -> None:
     """Fit the scan of a leg: length, shape coordinates, error, landmarks."""
-    _reachable(html)
+    reachable(html)
     fitted = fit_scan(
         scan,
         side=side,
@@ -121,45 +115,19 @@ def fit_scan_verb(
 
 @app.command("predict")
 def predict_verb(
-    scan: Annotated[Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ.")],
-    bandage: Annotated[
-        str | None, typer.Option(metavar="NAME", help=f"One of {', '.join(sorted(BANDAGES))}.")
-    ] = None,
-    tension: Annotated[
-        float | None,
-        typer.Option(
-            metavar="N/MM", help="Of the bandage per width at stretch 1.3, in place of a name."
-        ),
-    ] = None,
+    scan: Scan,
+    bandage: BandageName = None,
+    tension: Tension = None,
     stretch: Annotated[float, typer.Option(help="As laid: length over rest length.")] = 1.3,
-    mu_skin: Annotated[
-        float | None,
-        typer.Option(help="Friction on the skin; default: 0.2, and the interval holds 0.1 to 0.3."),
-    ] = None,
-    known_hand: Annotated[
-        bool,
-        typer.Option(
-            "--known-hand",
-            help="Stretch and overlap were measured as laid: leave their scatter out.",
-        ),
-    ] = False,
-    gradient: Annotated[
-        str,
-        typer.Option(metavar="MMHG:MMHG", help="Target at the ankle and at the knee."),
-    ] = "40:17",
+    mu_skin: MuSkin = None,
+    known_hand: KnownHand = False,
+    gradient: Gradient = "40:17",
     solve: Annotated[
         bool,
         typer.Option("--solve", help="Run the finite element model too, on the scan's sections."),
     ] = False,
-    mesh: Annotated[
-        str | None, typer.Option(help="For --solve: coarse (default), medium or fine.")
-    ] = None,
-    study: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="YAML", help="Stored study to predict from; default: the one that ships."
-        ),
-    ] = None,
+    mesh: Mesh = None,
+    study: StudyFile = None,
     side: Side = "auto",
     unit: Unit = None,
     up: Up = None,
@@ -170,9 +138,9 @@ def predict_verb(
     as_json: AsJson = False,
 ) -> None:
     """Predict the pressure under a bandage on the leg of a scan, with its interval."""
-    _reachable(html)
+    reachable(html)
     choice = choose_bandage(bandage, tension, stretch, mu_skin, None if known_hand else PUBLISHED)
-    target = _two_pressures(gradient)
+    target = two_pressures("--gradient", gradient)
     if mesh is not None and not solve:
         raise BandageChoiceError(
             f"--mesh {mesh} is that of the model which --solve runs; add --solve"
@@ -193,6 +161,9 @@ def predict_verb(
         sys.exit(1)
 
 
+app.command("plan")(plan_verb)
+
+
 @app.command("build-cohort")
 def build_cohort_verb(
     folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Of scans.")],
@@ -210,7 +181,7 @@ def build_cohort_verb(
 ) -> None:
     """Learn a shape basis from a folder of scans; use it with fit-scan --cohort."""
     out = out.with_suffix(".npz")
-    _reachable(out, html)
+    reachable(out, html)
     grown = build_cohort(
         folder,
         progress=lambda name: print(name, file=sys.stderr),
@@ -229,20 +200,6 @@ def build_cohort_verb(
         print(json.dumps(_grown_figures(grown, out), indent=1))
     else:
         _show_cohort(grown, out, Console())
-
-
-def _two_pressures(words: str) -> tuple[float, float]:
-    """Two pressures, mmHg, from `40:17`; raises BandageChoiceError."""
-    try:
-        ankle, knee = (float(word) for word in words.split(":"))
-    except ValueError:
-        ankle = knee = float("nan")
-    if not (0 < ankle < 200 and 0 < knee < 200):
-        raise BandageChoiceError(
-            f"--gradient {words!r} is not two pressures in mmHg from 0 to 200; give the one at the "
-            "ankle and the one at the knee, as 40:17"
-        )
-    return ankle, knee
 
 
 def _learnt(path: Path | None, modes: int) -> dict[str, Any]:
@@ -274,7 +231,7 @@ def _show_scan(scan: FittedScan, console: Console) -> None:
         )
         for name, (low, high) in scan.ranges.items()
     ]
-    console.print(_table(("coordinate", "value", "legs of the basis", ""), rows))
+    console.print(table(("coordinate", "value", "legs of the basis", ""), rows))
     error = scan.error
     console.print(
         f"\nerror of the shape: {error.rms:.2f} mm RMS, {error.percentile_95:.2f} mm "
@@ -285,7 +242,7 @@ def _show_scan(scan: FittedScan, console: Console) -> None:
         (_LANDMARKS[name], *(_place(told["landmarks"][leg][name]) for leg in ("scanned", "fitted")))
         for name in _LANDMARKS
     ]
-    console.print(_table(("landmark", "on the scan", "on the fitted leg"), rows))
+    console.print(table(("landmark", "on the scan", "on the fitted leg"), rows))
     console.print()
     for note in scan.notes:
         console.print(f"- {note}", highlight=False, markup=False, soft_wrap=True)
@@ -296,14 +253,14 @@ def _show_prediction(told: Prediction, console: Console) -> None:
         console.print(words, highlight=False, markup=False, soft_wrap=True)
 
     say(f"{told.scan.side} leg; {summary.choice_words(told)}\n")
-    console.print(_table(("leg", "value", "runs", ""), summary.coordinate_rows(told)))
+    console.print(table(("leg", "value", "runs", ""), summary.coordinate_rows(told)))
     say("")
-    console.print(_table(("pressure at B1", "mmHg", "95 % interval", "on"), summary.answers(told)))
+    console.print(table(("pressure at B1", "mmHg", "95 % interval", "on"), summary.answers(told)))
     say("")
-    console.print(_table(("interval", "mmHg", "is"), summary.parts(told)))
+    console.print(table(("interval", "mmHg", "is"), summary.parts(told)))
     say("")
     headings = ("point", "height, mm", "mmHg", "95 % interval", "target", "class of stockings")
-    console.print(_table(headings, point_rows(told)))
+    console.print(table(headings, point_rows(told)))
     say(f"\n{gradient_words(told)}")
     say("")
     for note in (*told.notes, *told.scan.notes):
@@ -338,7 +295,7 @@ def _show_cohort(grown: GrownCohort, out: Path, console: Console) -> None:
         for loss in grown.losses
     ]
     headings = ("modes", "RMS, mm", "95 %, mm", "largest, mm", "95 % left out, mm")
-    console.print(_table(headings, rows))
+    console.print(table(headings, rows))
     console.print(
         f"\n{len(grown.cohort)} legs are in {out}; next: leg-bandage fit-scan SCAN --cohort {out}",
         highlight=False,
@@ -362,27 +319,8 @@ def _grown_figures(grown: GrownCohort, out: Path) -> dict[str, Any]:
     }
 
 
-def _table(headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Table:
-    made = Table(box=None, pad_edge=False)
-    for heading in headings:
-        made.add_column(heading, overflow="fold")
-    for row in rows:
-        made.add_row(*row)
-    return made
-
-
 def _write(page: Path, text: str) -> None:
     page.write_text(text, encoding="utf-8", errors="backslashreplace")
-
-
-def _reachable(*paths: Path | None) -> None:
-    """Raise ScanError for files that cannot be written, before anything takes its time."""
-    for path in paths:
-        if path is not None and (not path.parent.is_dir() or path.is_dir()):
-            raise ScanError(
-                f"{path}: cannot be written; the folder {path.parent} must be there "
-                "and the name be that of a file"
-            )
 
 
 def main() -> None:

@@ -124,10 +124,14 @@ class LegBandage:
         """The outputs at these inputs; what is not given has its nominal value."""
         return self.run(None, **inputs).values
 
-    def run(self, leg: Leg | None = None, **inputs: float | str) -> Result:
+    def run(
+        self, leg: Leg | None = None, stretch_free: float | None = None, **inputs: float | str
+    ) -> Result:
         """The same with the model and its displacements, for export and pictures.
 
-        leg: a leg with sections of its own, in place of leg_length and alpha1..alpha4.
+        leg           a leg with sections of its own, in place of leg_length and alpha1..alpha4
+        stretch_free  stretch of the midline at the free end, if it changes evenly along the leg
+
         Raises SolverError for inputs out of range, impossible legs, and runs that do not
         converge, with the last step, the residual and where.
         """
@@ -141,6 +145,9 @@ class LegBandage:
             )
         check_leg(leg)
         leg, wrap = _wrapped(leg, q)
+        if stretch_free is not None:
+            complete(self.inputs, {"stretch": stretch_free})
+            wrap = replace(wrap, stretch_free=stretch_free)
         model, u = self._solve(leg, wrap, self._material(q), q["wrapping"])
         values = answers(leg, model, u, self.b1_rule, q["sensor_around"], q["sensor_up"])
         return Result(leg, model, u, values, time.perf_counter() - start)

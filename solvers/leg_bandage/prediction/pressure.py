@@ -20,6 +20,7 @@ from ..plugin import LegBandage
 from ..scan import FittedScan
 from .along import GRADIENT, Curve, Point, curve_of, points_of
 from .bandage_choice import BandageChoice
+from .hand import OVERLAP
 from .interval import Part, joined, parts_of
 from .points import KNEE_GIRTH, KNEE_HEIGHT, ONE_LAYER, under_sensor
 from .reduced import Reduced
@@ -164,12 +165,28 @@ def predict_pressure(
     )
 
 
-def solve_on(leg: Leg, choice: BandageChoice, mesh: str) -> Solved:
-    """The finite element model on the sections of this leg."""
+def solve_on(
+    leg: Leg,
+    choice: BandageChoice,
+    mesh: str,
+    overlap: float = OVERLAP,
+    stretch_free: float | None = None,
+) -> Solved:
+    """The finite element model on the sections of this leg; raises SolverError.
+
+    stretch_free  at the free end, where the stretch changes along the leg
+    """
     start = time.perf_counter()
     values = (
         LegBandage(mesh=mesh)
-        .run(leg=leg, tension=choice.tension, stretch=choice.stretch, mu_skin=choice.mu_skin)
+        .run(
+            leg,
+            stretch_free,
+            tension=choice.tension,
+            stretch=choice.stretch,
+            mu_skin=choice.mu_skin,
+            overlap=overlap,
+        )
         .values
     )
     grid = LegBandage.outputs["pressure_field"].coordinates

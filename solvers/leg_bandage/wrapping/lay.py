@@ -110,7 +110,7 @@ def lay_rows(surface: Surface, wrap: Wrap, knots: np.ndarray, nw: int) -> Lay:
     return Lay(
         strip=strip,
         X=X,
-        lengths=_midline_lengths(strip, evenly) / wrap.stretch,
+        lengths=_midline_lengths(strip, evenly) / wrap.stretch_at(theta_mid[1:-1]),
         points=points,
         area=(per_cell := density(strip, X, points)) * shares(nw),
         density=per_cell[:, 1:-1],

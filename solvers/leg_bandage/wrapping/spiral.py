@@ -31,6 +31,7 @@ class Wrap:
     end_height    z of the midline at the free end, mm
     pitch         climb of the midline in one turn, mm
     stretch       warp stretch of the midline
+    stretch_free  the same at the free end, if it changes evenly on the way; None: it does not
     width         of the strip, mm
     thickness     of one layer, mm
     start_angle   theta of the first end (0 is lateral)
@@ -43,6 +44,14 @@ class Wrap:
     width: float = 100.0
     thickness: float = 0.5
     start_angle: float = 0.0
+    stretch_free: float | None = None
+
+    def stretch_at(self, angles: np.ndarray) -> np.ndarray:
+        """Warp stretch of the midline as laid at its angles, straight in the angle."""
+        if self.stretch_free is None:
+            return np.full(np.shape(angles), self.stretch)
+        way = (angles - self.start_angle) / (2 * np.pi * self.turns)
+        return np.asarray(self.stretch + way * (self.stretch_free - self.stretch))
 
     @property
     def turns(self) -> float:

@@ -1,0 +1,101 @@
+"""What the verbs of `leg-bandage` share: options, tables, files that can be written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from .bandage.products import BANDAGES
+from .prediction import BandageChoiceError
+from .scan import ScanError
+
+Side = Annotated[str, typer.Option(help="right, left, or auto: the side that fits better.")]
+Unit = Annotated[
+    str | None,
+    typer.Option(
+        help="Of the file: mm, cm, inch or m; default: the one that makes the ankle an ankle."
+    ),
+]
+Up = Annotated[
+    str | None,
+    typer.Option(
+        metavar="AXIS", help="Axis of the file that points up the leg: z, -y ...; keeps the tilt."
+    ),
+]
+Front = Annotated[
+    str | None,
+    typer.Option(metavar="AXIS", help="Axis of the file that points to the front; needs --up."),
+]
+Length = Annotated[
+    float | None,
+    typer.Option(metavar="MM", help="Of the leg to take above the ankle; default: to the calf."),
+]
+Ends = Annotated[bool, typer.Option("--ends", help="Cut where the scan ends.")]
+Html = Annotated[Path | None, typer.Option(metavar="PAGE", help="Write a page that opens offline.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for scripts.")]
+Scan = Annotated[Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ.")]
+BandageName = Annotated[
+    str | None,
+    typer.Option("--bandage", metavar="NAME", help=f"One of {', '.join(sorted(BANDAGES))}."),
+]
+Tension = Annotated[
+    float | None,
+    typer.Option(
+        metavar="N/MM", help="Of the bandage per width at stretch 1.3, in place of a name."
+    ),
+]
+MuSkin = Annotated[
+    float | None,
+    typer.Option(help="Friction on the skin; default: 0.2, and the interval holds 0.1 to 0.3."),
+]
+KnownHand = Annotated[
+    bool,
+    typer.Option(
+        "--known-hand", help="Stretch and overlap were measured as laid: leave their scatter out."
+    ),
+]
+Gradient = Annotated[
+    str, typer.Option(metavar="MMHG:MMHG", help="Target at the ankle and at the knee.")
+]
+StudyFile = Annotated[
+    Path | None,
+    typer.Option(metavar="YAML", help="Stored study to predict from; default: the one that ships."),
+]
+Mesh = Annotated[str | None, typer.Option(help="For --solve: coarse (default), medium or fine.")]
+
+
+def two_pressures(option: str, words: str) -> tuple[float, float]:
+    """Two pressures, mmHg, from `40:17`; raises BandageChoiceError."""
+    try:
+        first, second = (float(word) for word in words.split(":"))
+    except ValueError:
+        first = second = float("nan")
+    if not (0 < first < 200 and 0 < second < 200):
+        raise BandageChoiceError(
+            f"{option} {words!r} is not two pressures in mmHg from 0 to 200; give them as 40:17"
+        )
+    return first, second
+
+
+def table(headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Table:
+    """Rows under headings, without lines."""
+    made = Table(box=None, pad_edge=False)
+    for heading in headings:
+        made.add_column(heading, overflow="fold")
+    for row in rows:
+        made.add_row(*row)
+    return made
+
+
+def reachable(*paths: Path | None) -> None:
+    """Raise ScanError for files that cannot be written, before anything takes its time."""
+    for path in paths:
+        if path is not None and (not path.parent.is_dir() or path.is_dir()):
+            raise ScanError(
+                f"{path}: cannot be written; the folder {path.parent} must be there "
+                "and the name be that of a file"
+            )
