@@ -111,18 +111,19 @@ def study_file(schema: Mapping[str, Any]) -> str:
     parts = schema["$defs"]
     lines = [*_part("The first level", schema, "")]
     for key, found in schema["properties"].items():
-        name = _named(found)
-        if name:
-            lines += _part(f"`{key}`", _mapping(parts[name]), "")
-            lines += _below(key, _mapping(parts[name]), parts)
+        for name in _all_named(found):
+            part = _mapping(parts[name])
+            own = part["properties"].get("method", {}).get("const")  # one method has its own keys
+            lines += _part(f"`{key}`" + f" with `method: {own}`" * bool(own), part, "")
+            lines += _below(f"method: {own}" if own else key, part, parts)
     return "\n".join(lines)
 
 
 def _below(key: str, part: Mapping[str, Any], parts: Mapping[str, Any]) -> Iterator[str]:
-    """The parts inside a part, such as `augment` of a design; the solver is described once."""
+    """The parts inside a part, such as `augment` of a design; solver and design stand once."""
     for inner, found in part["properties"].items():
         name = _named(found)
-        if name and name != "SolverPart":
+        if name and name not in ("SolverPart", "DesignPart"):
             yield from _part(f"`{inner}` of `{key}`", _mapping(parts[name]), "#")
 
 
@@ -177,8 +178,12 @@ def _short(value: Any) -> str:
 
 def _named(found: Mapping[str, Any]) -> str:
     """The part that a key holds, one or several of them; "" for a plain value."""
-    match = re.search(r"#/\$defs/(\w+)", json.dumps(found))
-    return match[1] if match else ""
+    return next(iter(_all_named(found)), "")
+
+
+def _all_named(found: Mapping[str, Any]) -> list[str]:
+    """The parts that a key may hold, each once."""
+    return list(dict.fromkeys(re.findall(r"#/\$defs/(\w+)", json.dumps(found))))
 
 
 def _type(found: Mapping[str, Any]) -> str:

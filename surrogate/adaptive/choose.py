@@ -20,7 +20,8 @@ def choose(rule: Rule, space: Space, answers: Answers, review: Review, count: in
     """The next coded points (k, d), one after the other; fewer than `count` when none is left.
 
     Each counts the ones before it, and runs under way, as answered by what is predicted. The
-    same answers give the same points. Without a surrogate the points fill the space.
+    same answers give the same points. Without a surrogate, and as long as all answers are equal,
+    the points fill the space.
     """
     chosen = np.empty((0, space.size))
     for _ in range(count):
@@ -29,8 +30,9 @@ def choose(rule: Rule, space: Space, answers: Answers, review: Review, count: in
         points = candidates(space, now.coded, now.failed, seed=seed)
         if not len(points):
             break
-        if review.lengths:
-            worth = Worth(rule.aim, space, processes(space, now, review), rule.seed)
+        ready = processes(space, now, review)
+        if any(process.scale_ > 0.0 for process in ready.values()):
+            worth = Worth(rule.aim, space, ready, rule.seed)
             one, _ = worthiest(worth, space, now, points, seed)
         else:
             one = points[farthest(space, points, now.coded)]

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 #: Runs from one review to the next: so many, and at least this share of those there are.
 EVERY, SHARE = 5, 0.1
 #: Points of the parameters' law at which a side is judged.
-SAMPLES = 5000
+SAMPLES = 20_000
 REACHED, USED_UP, NO_IMPROVEMENT, NOTHING_LEFT = (
     "reached",
     "runs used up",
@@ -100,6 +100,8 @@ def _judged(
         return max(rmse(one.values, one.left_out) for one in fits.values()), np.nan
     if kind == ACCURACY:
         return min(one.q2 for one in fits.values()), np.nan
+    if not any(np.ptp(one.values) > 0.0 for one in fits.values()):
+        return np.nan, np.nan  # all answers are equal so far
     if kind == INDEX_WIDTH:
         return max(_index_width(one, space) for one in fits.values()), np.nan
     ready = processes(space, answers, found)

@@ -25,6 +25,7 @@ class Outcome:
     unit       of the value and of figures that have one
     figure     what is judged, goal: that it must reach, NaN for none
     ended      why it takes no more points; "" while it does
+    batch      points chosen together; None for one as soon as a place is free
     """
 
     aim: str
@@ -38,6 +39,7 @@ class Outcome:
     goal: float
     reviews: tuple[Review, ...]
     ended: str
+    batch: int | None = None
 
     @property
     def last(self) -> float:
@@ -46,11 +48,20 @@ class Outcome:
 
     def __str__(self) -> str:
         parts = [f"{self.rows} of at most {self.most} runs, aim: {self.aim}"]
+        if not self.reviews:
+            parts.append(self._plan)
         if math.isfinite(self.last):
             parts.append(self._judged)
         if self.ended:
             parts.append(f"ended: {self._why}")
         return "; ".join(parts)
+
+    @property
+    def _plan(self) -> str:
+        steps = f"{self.batch} points at a time" if self.batch else "a point for each free place"
+        unit = f" {self.figure_unit}".rstrip()
+        goal = f", until {NAMES[self.figure]} {self.goal:g}{unit}" * math.isfinite(self.goal)
+        return f"after the first {self.initial} {steps}{goal}"
 
     @property
     def figure_unit(self) -> str:
@@ -61,10 +72,11 @@ class Outcome:
     def _judged(self) -> str:
         goal = f" (goal {self.goal:g})" if math.isfinite(self.goal) else ""
         estimate = self.reviews[-1].estimate
-        found = {OPTIMUM: "best value", PROBABILITY: "probability"}.get(self.kind)
+        what = {OPTIMUM: "best value", PROBABILITY: "probability"}.get(self.kind)
         unit = f" {self.unit}".rstrip() if self.kind == OPTIMUM else ""
-        first = f"{found} {estimate:.4g}{unit}, " if found and math.isfinite(estimate) else ""
-        return f"{first}{NAMES[self.figure]} {self.last:.3g} {self.figure_unit}".rstrip() + goal
+        first = f"{what} {estimate:.4g}{unit}, " if what and math.isfinite(estimate) else ""
+        found = f"{self.last:.4f}" if self.figure == "q2" else f"{self.last:.3g}"
+        return f"{first}{NAMES[self.figure]} {found} {self.figure_unit}".rstrip() + goal
 
     @property
     def _why(self) -> str:
@@ -103,6 +115,7 @@ def outcome(rule: Rule, initial: int, state: State) -> Outcome:
         math.nan if goal is None else goal,
         state.reviews,
         reason(rule, state.reviews, rows, state.closed),
+        rule.batch,
     )
 
 

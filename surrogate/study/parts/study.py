@@ -38,7 +38,7 @@ def _kind_of_design(value: Any) -> str:
 GIVEN = "given"
 KINDS_OF_DESIGN = (ADAPTIVE, GIVEN)
 AnyDesign = Annotated[
-    Annotated[AdaptivePart, Tag(ADAPTIVE)] | Annotated[DesignPart, Tag(GIVEN)],
+    Annotated[DesignPart, Tag(GIVEN)] | Annotated[AdaptivePart, Tag(ADAPTIVE)],
     Discriminator(_kind_of_design),
 ]
 

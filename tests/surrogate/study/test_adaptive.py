@@ -122,17 +122,17 @@ def test_a_study_that_is_resumed_chooses_the_same_points(folder, tmp_path):
 
 
 def test_kill_9_changes_no_point(folder):
-    """The process dies at every fourth run; what follows is what would have followed."""
+    """The process dies at a run that was chosen; what follows is what would have followed."""
     whole = chosen(written(folder).run(results=folder / "whole" / "bowl"))
     written(folder, until={"runs": 8}).run()
-    study = written(folder, solver={"name": "bowl:Bowl", "options": {"dies_after": 4}})
+    study = written(folder, solver={"name": "bowl:Bowl", "options": {"dies_after": 5}})
     script = "from surrogate import Study; Study.from_yaml('bowl.yaml').run()"
     environment = {**os.environ, "PYTHONPATH": str(folder)}
     ends = [
         subprocess.run([sys.executable, "-c", script], cwd=folder, env=environment).returncode
-        for _ in range(3)
+        for _ in range(2)
     ]
-    assert ends == [-signal.SIGKILL, -signal.SIGKILL, 0]
+    assert ends == [-signal.SIGKILL, 0]
     assert np.array_equal(chosen(study.stored()), whole)
 
 
@@ -259,6 +259,7 @@ def test_check_status_terminal_and_report_tell_of_it(folder):
     written(folder, aim="accuracy", minimise=None, until={"runs": 12, "q2": 0.9999999})
     checked = command("check", "bowl.yaml", cwd=folder, check=0).stdout
     assert "8 of at most 12 runs, aim: accuracy of depth" in " ".join(checked.split())
+    assert "after the first 8 a point for each free place, until Q2 1" in " ".join(checked.split())
     assert "24 to do" in checked
     done = " ".join(command("run", "bowl.yaml", cwd=folder, check=0).stdout.split())
     assert "design train: 12 of at most 12 runs" in done
@@ -317,3 +318,13 @@ def test_what_is_held_out_cannot_follow_from_answers(folder):
     (folder / "bowl.yaml").write_text(yaml.safe_dump(data, sort_keys=False))
     with pytest.raises(StudyError, match="'test' is held out to judge the surrogates"):
         Study.from_yaml(folder / "bowl.yaml")
+
+
+def test_fresh_runs_keep_the_points(folder):
+    """Every run is done again, at the points that were chosen; then the design goes on."""
+    study = written(folder, until={"runs": 11})
+    first = chosen(study.run())
+    done = []
+    again = written(folder).run(fresh=True, progress=lambda now: done.append(now.reused))
+    assert done[0] == 0 and np.array_equal(chosen(again)[:3], first)
+    assert len(chosen(again)) == 7
