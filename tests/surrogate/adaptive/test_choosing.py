@@ -33,7 +33,7 @@ from surrogate.adaptive.outcome import outcome, outcome_data, outcome_from
 from surrogate.designs.latin_hypercube import latin_hypercube
 from surrogate.errors import ResultsError
 from surrogate.runs.files import write_new
-from surrogate.space.constraints import parse
+from surrogate.space.constraint_text import parse
 from surrogate.space.discrete import integers
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
