@@ -5,8 +5,8 @@ Accuracy is judged by predictions of runs that the fit has not seen:
     Q2 = 1 - sum (y - prediction)^2 / sum (y - mean(y))^2
 
 over all runs (and all places of a field), the mean being that of the runs judged.
-Up to `LEAVE_ONE_OUT` points each point is left out in turn; above, ten folds, the same
-for every surrogate of the same runs and seed. Replicates are left out together.
+Which runs are left out together is in `surrogate.regressors.folds`: each point in turn, or ten
+folds, the same for every surrogate of the same runs and seed.
 """
 
 from __future__ import annotations
@@ -33,15 +33,13 @@ from surrogate.estimator import Array, HasStd, Regressor, has_minimum, is_portab
 from surrogate.regressors import portable
 from surrogate.regressors.columns import columns_of, expand
 from surrogate.regressors.field import Field
+from surrogate.regressors.folds import point_folds
 from surrogate.space.space import Space
 
 Numbers = NDArray[np.intp]
 
 #: Points predicted at once, so that memory stays bounded for any number of them.
 CHUNK = 65_536
-#: Largest number of runs that are left out one at a time.
-LEAVE_ONE_OUT = 20
-FOLDS = 10
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -265,20 +263,6 @@ def prepare(estimator: Regressor, space: Space, *, seed: int = 0, field: bool = 
 def minimum_runs(estimator: Regressor, space: Space) -> int:
     """Fewest runs that the estimator can be fitted to in this space."""
     return int(estimator.minimum_runs(space)) if has_minimum(estimator) else 2
-
-
-def folds(runs: int, *, seed: int = 0) -> Numbers:
-    """Fold number of each run (n,): one run each up to `LEAVE_ONE_OUT` runs, else ten folds."""
-    if runs <= LEAVE_ONE_OUT:
-        return np.arange(runs)
-    return np.random.default_rng(seed).permutation(np.arange(runs) % FOLDS)
-
-
-def point_folds(points: Array, *, seed: int = 0) -> Numbers:
-    """Fold number of each run (n,) at coded points (n, d): replicates are left out together."""
-    _, first, point = np.unique(np.round(points, 9), axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(np.argsort(first))  # points are counted as they appear
-    return folds(len(first), seed=seed)[order[point.ravel()]]
 
 
 def q2(values: ArrayLike, predictions: ArrayLike) -> float:

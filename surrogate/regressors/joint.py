@@ -21,12 +21,12 @@ from surrogate.regressors.columns import expand
 from surrogate.regressors.matern import ROOT5, correlation
 
 if TYPE_CHECKING:
-    from surrogate.regressors.gaussian_process import GaussianProcess
+    from surrogate.regressors.fitted_process import FittedProcess
 
 Array = NDArray[np.float64]
 
 
-def joint(process: GaussianProcess, X: Array) -> tuple[Array, Array]:
+def joint(process: FittedProcess, X: Array) -> tuple[Array, Array]:
     """Means (m, n) and covariances (m, n, n) of runs at m sets of n coded points X (m, n, d)."""
     sets, size, _ = X.shape
     points, one = expand(X.reshape(sets * size, -1), process.columns_), process.factors_
@@ -44,7 +44,7 @@ def joint(process: GaussianProcess, X: Array) -> tuple[Array, Array]:
     np.maximum(diagonal, process.nugget_, out=diagonal)
     return (
         process.offset_ + process.scale_ * mean.reshape(sets, size),
-        process.variance_ * found,
+        process.predictive_variance * found,
     )
 
 

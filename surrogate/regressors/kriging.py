@@ -69,11 +69,16 @@ def factored(matrix: Array, F: Array) -> Factored:
     return Factored(factor, F, solved, np.asarray(np.linalg.inv(F.T @ solved), dtype=np.float64))
 
 
-def left_out_errors(factors: Factored, weights: Array, folds: NDArray[np.intp]) -> Array:
-    """y - prediction (n,) without each run's fold (n,): (Q_BB)^-1 (Q y)_B for a fold B."""
-    projected, error = factors.projected, np.empty(len(folds))
+def left_out_errors(
+    factors: Factored, weights: Array, folds: NDArray[np.intp]
+) -> tuple[Array, Array]:
+    """y - prediction (n,) without each run's fold (n,), and its variance, the process's being 1.
+
+    For a fold B: (Q_BB)^-1 (Q y)_B, and the diagonal of (Q_BB)^-1.
+    """
+    projected, error, variance = factors.projected, np.empty(len(folds)), np.empty(len(folds))
     for fold in np.unique(folds):
         inside = np.flatnonzero(folds == fold)
-        block = projected[np.ix_(inside, inside)]
-        error[inside] = np.linalg.solve(block, weights[inside])
-    return error
+        inverse = np.linalg.inv(projected[np.ix_(inside, inside)])
+        error[inside], variance[inside] = inverse @ weights[inside], inverse.diagonal()
+    return error, variance

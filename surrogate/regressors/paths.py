@@ -47,6 +47,7 @@ class Process(Protocol):
     standard_: Array
     lengths_: Array
     nugget_: float
+    widening_: float
     offset_: float
     scale_: float
     weights_: Array
@@ -187,12 +188,13 @@ class Draw:
 def draw(process: Process, size: int, seed: Any) -> Paths:
     """Draw `size` functions of a fitted `GaussianProcess`; seed as for `default_rng`.
 
-    Trend coefficients and process variance are drawn too; lengths and nugget are kept.
+    Trend coefficients and process variance are drawn too; lengths and nugget are kept, for which
+    the widening of the deviations makes up.
     """
     rng = np.random.default_rng(seed)
     factors, points = process.factors_, process.points_
     freedom = process.interval_freedom
-    variance = factors.variance(process.standard_, process.weights_)
+    variance = factors.variance(process.standard_, process.weights_) * process.widening_**2
     spread = np.sqrt(variance * freedom / rng.chisquare(freedom, size))
     eigenfunctions = _eigenfunctions(process)
     numbers, eigenvalues = _largest([of.eigenvalues for of in eigenfunctions])

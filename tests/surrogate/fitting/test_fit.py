@@ -16,6 +16,7 @@ from sklearn.svm import SVR
 from surrogate.errors import FitError
 from surrogate.fitting import fit as fitting
 from surrogate.fitting.fit import Fit, fit
+from surrogate.regressors.folds import folds
 from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
@@ -68,10 +69,10 @@ def test_closed_form_left_out_predictions_equal_scikit_learn_refits():
 
 
 def test_folds_are_balanced_shared_and_fixed_by_the_seed():
-    assert (fitting.folds(20) == np.arange(20)).all()
-    assert (np.bincount(fitting.folds(200)) == 20).all()
-    assert (fitting.folds(200, seed=1) == fitting.folds(200, seed=1)).all()
-    assert (fitting.folds(200, seed=1) != fitting.folds(200, seed=2)).any()
+    assert (folds(20) == np.arange(20)).all()
+    assert (np.bincount(folds(200)) == 20).all()
+    assert (folds(200, seed=1) == folds(200, seed=1)).all()
+    assert (folds(200, seed=1) != folds(200, seed=2)).any()
 
 
 def test_q2_of_small_designs_is_that_of_the_regression_table():

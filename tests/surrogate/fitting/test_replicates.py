@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from surrogate.fitting.fit import fit, folds, point_folds
+from surrogate.fitting.fit import fit
 from surrogate.fitting.replicates import replicates
+from surrogate.regressors.folds import folds, point_folds
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Linear
 from surrogate.space.distributions import uniform

@@ -42,4 +42,4 @@ def test_covariance_is_that_of_the_bordered_kriging_system():
         k(points, points) + process.nugget_ * np.eye(4) - right.T @ np.linalg.solve(whole, right)
     )
     _, found = process.predict_joint(points[None])
-    assert found[0] == pytest.approx(process.variance_ * exact, rel=1e-7, abs=1e-10)
+    assert found[0] == pytest.approx(process.predictive_variance * exact, rel=1e-7, abs=1e-10)
