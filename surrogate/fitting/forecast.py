@@ -42,7 +42,7 @@ class Goal:
 class Forecast:
     """What more runs would bring, of one surrogate of one output.
 
-    exponent, floor  of the law of the RMSE, see `power_law`; NaN where there is none
+    exponent, bend, floor  of the law of the RMSE, see `power_law`; NaN where there is none
     rmse, q2         with twice the runs
     ahead            RMSE with the `AHEAD` multiples of the runs; empty where there is no forecast
     runs             that the goal needs; infinite beyond `REACH` times those there are, NaN
@@ -53,6 +53,7 @@ class Forecast:
     """
 
     exponent: float
+    bend: float
     floor: float
     rmse: Ends
     q2: Ends
@@ -80,7 +81,8 @@ def forecast(curve: Curve, variance: float, unit: str, goal: Goal | None) -> For
     doubled = _doubled(curve, law, twice, q2, unit)
     return Forecast(
         law.exponent,
-        float(law.best[2]),
+        law.bend,
+        law.floor,
         twice,
         q2,
         runs,
@@ -99,7 +101,7 @@ def _as_rmse(goal: Goal | None, variance: float) -> float:
 
 
 def _none(sentence: str) -> Forecast:
-    return Forecast(math.nan, math.nan, UNKNOWN, UNKNOWN, UNKNOWN, False, (sentence,))
+    return Forecast(math.nan, math.nan, math.nan, UNKNOWN, UNKNOWN, UNKNOWN, False, (sentence,))
 
 
 def _q2(rmse: Ends, variance: float) -> Ends:

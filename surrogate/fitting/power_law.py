@@ -1,18 +1,23 @@
 """A law through a learning curve, and what it says of more runs.
 
-    error(n) = a n^-b + c,                        c >= 0     surrogates of any form
-    error(n) = a ((n - 1) / (n - 1 - p))^(b / 2)             least squares of p given terms
+With x = log(n / N) for N runs that there are,
 
-The second is the error of least squares whose terms, the constant one of them, leave something
-out, b = 1 for normal inputs (Breiman and Freedman 1983, doi
-10.1080/01621459.1983.10477941): it stops falling at a.
-Both are fitted to the medians of the subsets by weighted least squares of the logarithm. Weights
-rise as n^2, because the largest subsets tell most of still larger ones (Figueroa et al. 2012, doi
-10.1186/1472-6947-12-8, have them rise as n). The floor c is kept where it betters the fit
-by more than the scatter of the medians; else c = 0, a straight line in logarithms.
+    log error(n) = log a - b x - q x^2                     surrogates of any form
+    error(n) = a (n / N)^-b + c,            c > 0          the same, where a floor is seen
+    error(n) = a ((n - 1) / (n - 1 - p))^(b / 2)           least squares of p given terms
 
-Intervals come from draws of the medians. Each is an average over subsets of n of the N runs, of
-which no more than n / N of the variance v of one such design remains (Hoeffding 1948, doi
+The first is a power law that bends: errors of Gaussian processes and of sparse polynomials fall
+slowly with few runs, then faster (q > 0). It goes on straight from twice the runs on, and where
+it would turn up it levels out. The prior of b and q is what the curves of eighteen published
+functions say, `ANY_FORM`; it yields to the curve (`bent_line`). The floor is taken where a power
+law with it betters the fit by more than the scatter of the medians (weights rise as n^2, because
+the largest subsets tell most of still larger ones; Figueroa et al. 2012, doi
+10.1186/1472-6947-12-8, have them rise as n). The third is the error of least squares whose terms,
+the constant one of them, leave something out, b = 1 for normal inputs (Breiman and Freedman 1983,
+doi 10.1080/01621459.1983.10477941): it stops falling.
+
+Intervals come from draws. Each median is an average over subsets of n of the N runs, of which no
+more than n / N of the variance v of one such design remains (Hoeffding 1948, doi
 10.1214/aoms/1177730196, theorem 5.2), and v over the number of subsets of what they scatter.
 """
 
@@ -23,8 +28,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.fitting.bent_line import Prior, bent_line
+
 Array = NDArray[np.float64]
 
+#: Slope and bend, empirical Bayes by the largest marginal likelihood of
+#: the curves of Gaussian processes and polynomial chaos: `benchmarks/learning_prior.py`.
+ANY_FORM = Prior((-1.85, -0.14), (1.0, 0.2))
+#: Slope of least squares of given terms: that of Breiman and Freedman, more or less.
+GIVEN_TERMS = Prior((-1.0,), (0.5,))
+#: The bend ends here: at twice the runs.
+STRAIGHT = float(np.log(2.0))
 #: Exponents b, and floors c as a share of the smallest error, that are tried.
 EXPONENTS, FLOORS = np.linspace(0.0, 6.0, 121), np.linspace(0.0, 0.98, 50)
 #: The floor is kept where it lowers the squared errors, in variances of a median, by this.
@@ -37,19 +51,31 @@ SCATTER = 0.02
 
 @dataclass(frozen=True, eq=False)
 class PowerLaw:
-    """A law and draws of it: rows of log a, b and c, (3,) and (draw, 3).
+    """A law and draws of it: rows of log a, b, q and c, (4,) and (draw, 4).
 
+    whole  runs that there are, N
     terms  p of least squares, 0 for surrogates of any form
     """
 
     best: Array
     draws: Array
+    whole: int
     terms: int = 0
 
     @property
     def exponent(self) -> float:
-        """b."""
+        """b: how steeply the error falls at the runs that there are."""
         return float(self.best[1])
+
+    @property
+    def bend(self) -> float:
+        """q: above 0 where the error falls faster and faster."""
+        return float(self.best[2])
+
+    @property
+    def floor(self) -> float:
+        """c."""
+        return float(self.best[3])
 
     @property
     def falls(self) -> bool:
@@ -68,13 +94,25 @@ class PowerLaw:
         return _with_ends(self._runs(self.best, error), self._runs(self.draws, error))
 
     def _error(self, laws: Array, runs: float) -> Array:
-        log_a, b, c = laws.T
-        return np.asarray(np.exp(log_a - b * abscissa(np.array(runs, float), self.terms)) + c)
+        log_a, b, q, c = laws.T
+        x = self._place(runs)
+        lowest = np.where(q < 0.0, -b / np.where(q < 0.0, 2.0 * q, 1.0), np.inf)
+        lowest = np.where(lowest < STRAIGHT, lowest, np.inf)
+        x = np.minimum(x, np.maximum(np.where(b > 0.0, lowest, 0.0), 0.0))
+        bent = np.minimum(x, STRAIGHT)
+        return np.asarray(np.exp(log_a - b * x - q * bent * (2.0 * x - bent)) + c)
 
     def _runs(self, laws: Array, error: float) -> Array:
-        log_a, b, c = laws.T
+        log_a, b, q, c = laws.T
         able = (error > c) & (b > 0.0)
-        x = (log_a - np.log(np.where(able, error - c, 1.0))) / np.where(able, b, 1.0)
+        drop = np.where(able, log_a - np.log(np.where(able, error - c, 1.0)), 0.0)
+        square = b**2 + 4.0 * q * drop  # of b x + q x^2 = drop
+        x = 2.0 * drop / (np.where(able, b, 1.0) + np.sqrt(np.maximum(square, 0.0)))
+        slope = b + 2.0 * q * STRAIGHT
+        beyond = (square < 0.0) | (x > STRAIGHT)
+        able &= (drop < 0.0) | ~beyond | (slope > 0.0)
+        straight = (drop + q * STRAIGHT**2) / np.where(slope > 0.0, slope, 1.0)
+        x = np.where(beyond & (drop > 0.0), straight, x) + abscissa(self.whole, self.terms)
         with np.errstate(over="ignore"):
             if not self.terms:
                 return np.where(able, np.exp(x), np.inf)
@@ -82,9 +120,12 @@ class PowerLaw:
         able &= share < 1.0
         return np.where(able, 1.0 + self.terms / np.where(able, 1.0 - share, 1.0), np.inf)
 
+    def _place(self, runs: float) -> Array:
+        return abscissa(runs, self.terms) - abscissa(self.whole, self.terms)
 
-def abscissa(runs: Array, terms: int = 0) -> Array:
-    """Where runs (k,) stand, so that the logarithm of an error without a floor is a line."""
+
+def abscissa(runs: Array | float, terms: int = 0) -> Array:
+    """Where runs stand, so that the logarithm of an error without bend and floor is a line."""
     n = np.asarray(runs, dtype=float)
     return np.asarray(0.5 * np.log((n - 1.0 - terms) / (n - 1.0)) if terms else np.log(n))
 
@@ -106,12 +147,22 @@ def power_law(
     n, logs = np.asarray(runs, dtype=float)[enough], logs[:, enough]
     medians, covariance = np.nanmedian(logs, axis=0), _covariance(n, logs, whole)
     rng = np.random.default_rng(seed)
-    drawn = rng.multivariate_normal(medians, covariance, size=DRAWS, method="cholesky")
-    every = np.vstack([medians, drawn])
-    found = _lines(n, every, terms)
     if not terms and _gain(n, medians) > NEEDED * covariance[0, 0]:
-        found = np.vstack([_curved(n, one)[0] for one in every])
-    return PowerLaw(found[0], found[1:], terms)
+        drawn = rng.multivariate_normal(medians, covariance, size=DRAWS, method="cholesky")
+        found = np.vstack([_curved(n / whole, one)[0] for one in (medians, *drawn)])
+        return PowerLaw(found[0], found[1:], whole)
+    x = abscissa(n, terms) - abscissa(whole, terms)
+    columns = x[:, None] if terms else np.column_stack([x, x**2])
+    prior = GIVEN_TERMS if terms else ANY_FORM
+    best, draws = bent_line(columns, medians, covariance, prior, DRAWS, rng)
+    return PowerLaw(_rows(best[None])[0], _rows(draws), whole, terms)
+
+
+def _rows(found: Array) -> Array:
+    """log a, b, q and c of levels and coefficients (m, 2 or 3)."""
+    rows = np.zeros((len(found), 4))
+    rows[:, 0], rows[:, 1 : found.shape[1]] = found[:, 0], -found[:, 1:]
+    return rows
 
 
 def _covariance(n: Array, logs: Array, whole: int) -> Array:
@@ -127,16 +178,8 @@ def _weights(n: Array) -> Array:
     return np.asarray(n**2 / (n**2).sum())
 
 
-def _lines(n: Array, logs: Array, terms: int) -> Array:
-    """log a, b and c = 0 of each row of logs (m, k), by their closed form, (m, 3)."""
-    weights, x = _weights(n), abscissa(n, terms)
-    middle = weights @ x
-    b = -(logs @ (weights * (x - middle))) / (weights @ (x - middle) ** 2)
-    return np.column_stack([logs @ weights + b * middle, b, np.zeros(len(logs))])
-
-
 def _curved(n: Array, logs: Array) -> tuple[Array, float]:
-    """log a, b and c of the best of all exponents and floors, (3,), and its mean squared error.
+    """log a, b, q = 0 and c of the best of all exponents and floors, (4,), and its loss.
 
     log a is that of least squares of log(error - c), with the weights of log(error).
     """
@@ -148,13 +191,15 @@ def _curved(n: Array, logs: Array) -> tuple[Array, float]:
     power = np.exp(log_a[..., None] - EXPONENTS[:, None, None] * x)  # (exponent, floor, k)
     loss = (np.log(power + c) - logs) ** 2 @ weights
     i, j = np.unravel_index(int(loss.argmin()), loss.shape)
-    return np.array([log_a[i, j], EXPONENTS[i], c[j, 0]]), float(loss[i, j])
+    return np.array([log_a[i, j], EXPONENTS[i], 0.0, c[j, 0]]), float(loss[i, j])
 
 
 def _gain(n: Array, logs: Array) -> float:
-    """How much a floor lowers the mean squared error of the logarithms."""
-    log_a, b, _ = _lines(n, logs[None], 0)[0]
-    line = ((log_a - b * np.log(n) - logs) ** 2) @ _weights(n)
+    """How much a floor lowers the mean squared error of the logarithms about a line."""
+    weights, x = _weights(n), np.log(n)
+    about, level = x - weights @ x, weights @ logs
+    slope = (weights * about) @ logs / ((weights * about) @ about)
+    line = ((level + slope * about - logs) ** 2) @ weights
     return float(line) - _curved(n, logs)[1]
 
 

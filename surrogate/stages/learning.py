@@ -165,7 +165,7 @@ def _dataset(found: Sequence[Learnt]) -> xr.Dataset:
     numbers = {name: np.full((*shape, sizes), np.nan) for name in ("runs", *_columns(SCORES))}
     single = {
         name: np.full(shape, np.nan)
-        for name in ("exponent", "floor", "rmse_goal", *_columns(FORECASTS))
+        for name in ("exponent", "bend", "floor", "rmse_goal", *_columns(FORECASTS))
     }
     ahead = {name: np.full((*shape, len(AHEAD)), np.nan) for name in _columns(("rmse_ahead",))}
     reached, sentences = np.zeros(shape, dtype=bool), np.full(shape, "", dtype=object)
@@ -226,7 +226,12 @@ def _curve(curve: Curve) -> dict[str, Array]:
 
 
 def _forecast(found: Forecast) -> dict[str, float]:
-    values = {"exponent": found.exponent, "floor": found.floor, "rmse_goal": found.rmse_goal}
+    values = {
+        "exponent": found.exponent,
+        "bend": found.bend,
+        "floor": found.floor,
+        "rmse_goal": found.rmse_goal,
+    }
     for name, ends in zip(FORECASTS, (found.rmse, found.q2, found.runs), strict=True):
         value, low, high = ends
         values |= {name: value, f"{name}_low": low, f"{name}_high": high}

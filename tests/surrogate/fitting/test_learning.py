@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from surrogate.errors import FitError
+from surrogate.fitting.bent_line import Prior, bent_line
 from surrogate.fitting.fit import fit
 from surrogate.fitting.forecast import Goal, crossing, forecast
 from surrogate.fitting.learning import Curve, learn
-from surrogate.fitting.power_law import power_law
+from surrogate.fitting.power_law import PowerLaw, power_law
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.polynomial import Linear, Quadratic
 from surrogate.space.distributions import uniform
@@ -42,9 +43,50 @@ def test_a_power_law_is_found_again():
     assert low < 160 < high
 
 
+def test_a_law_that_bends_is_found_again_and_goes_on_straight():
+    """log error = -x - 0.4 x^2 up to twice the runs, then a line with the slope that it has there.
+
+    Another prior than what is found would shift it; the interval has to hold the truth.
+    """
+    x = np.log(RUNS / 80)
+    law = power_law(RUNS, scattered(np.exp(-x - 0.4 * x**2), 0.02), 80)
+    assert law.falls and law.bend == pytest.approx(0.4, abs=0.1)
+    twice = np.exp(-np.log(2.0) - 0.4 * np.log(2.0) ** 2)
+    value, low, high = law.at(160)
+    assert low < twice < high and value == pytest.approx(twice, rel=0.1)
+    assert law.at(640)[0] / law.at(320)[0] == pytest.approx(law.at(320)[0] / law.at(160)[0])
+
+
+@pytest.mark.parametrize("row", [(0.0, 1.5, 0.3, 0.0), (0.0, 1.0, -0.3, 0.0), (0.1, 0.9, 0.0, 0.2)])
+@pytest.mark.parametrize("runs", [60.0, 120.0, 150.0, 500.0])
+def test_runs_and_error_of_a_law_are_inverse(row, runs):
+    law = PowerLaw(np.array(row), np.array([row]), 80)
+    assert law.needed(law.at(runs)[0])[0] == pytest.approx(runs, rel=1e-9)
+
+
+def test_a_law_that_would_turn_up_levels_out():
+    """b x + q x^2 with b = 0.4, q = -0.5 is largest at x = 0.4."""
+    row = np.array([0.0, 0.4, -0.5, 0.0])
+    law = PowerLaw(row, row[None], 80)
+    assert law.at(1000)[0] == pytest.approx(np.exp(-0.08))
+    assert law.needed(0.93)[0] == pytest.approx(80 * np.exp(0.4 - np.sqrt(0.16 + 2 * np.log(0.93))))
+    assert law.needed(0.9)[0] == np.inf
+
+
+def test_a_prior_yields_to_exact_conjugate_theory():
+    """With t known the posterior of a normal mean is the precision-weighted mean."""
+    y, spread = np.array([1.0, 2.0, 4.0]), 1e4 * np.eye(3)  # t is nothing beside it
+    x = np.array([[-1.0], [0.0], [1.0]])
+    rng = np.random.default_rng(0)
+    mean, draws = bent_line(x, y, spread, Prior((0.5,), (2.0,)), 20_000, rng)
+    slope = (0.5 / 2.0**2 + (x[:, 0] @ y) / 1e4) / (1.0 / 2.0**2 + 2.0 / 1e4)
+    assert mean[1] == pytest.approx(slope, rel=1e-3)
+    assert draws[:, 1].std() == pytest.approx((1.0 / 2.0**2 + 2.0 / 1e4) ** -0.5, rel=0.02)
+
+
 def test_a_floor_is_found_again():
     law = power_law(RUNS, scattered(50.0 * RUNS**-2.0 + 0.2, 0.02), 80)
-    assert law.best[2] == pytest.approx(0.2, rel=0.03)
+    assert law.floor == pytest.approx(0.2, rel=0.03)
     assert law.needed(0.15) == (np.inf, np.inf, np.inf)
     assert law.needed(0.2035)[0] == pytest.approx((50 / 0.0035) ** 0.5, rel=0.3)
 
