@@ -16,6 +16,8 @@ FIGURES = {
     TARGET: ("unsure",),
     PROBABILITY: ("unsure",),
 }
+#: Smallest improvement that counts, as a share.
+NOTICED = 0.05
 #: The figures in words.
 NAMES = {
     "q2": "Q2",
@@ -80,8 +82,10 @@ class Until:
         return figure >= self.value if self.figure == "q2" else figure <= self.value
 
     def better(self, figure: float, than: float) -> bool:
-        """Whether a figure is better than another."""
-        return figure > than if self.figure == "q2" else figure < than
+        """Whether a figure is better than another, by `NOTICED` of what is missing at least."""
+        if self.figure == "q2":
+            figure, than = 1.0 - figure, 1.0 - than
+        return figure < (1.0 - NOTICED) * than
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,9 @@ from surrogate.runs.files import write_new
 from surrogate.runs.identity import canonical
 
 Array = NDArray[np.float64]
+
+#: Files whose content stays in memory: a design looks at all of its own for each choice.
+FILES = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,13 +53,11 @@ class Kept:
 
     def read(self, initial: int, size: int) -> State:
         """All of it; initial: rows before the first choice, size: number of parameters."""
-        found = np.empty((0, size))
-        while (path := self._points(initial + len(found))).exists():
-            coded = _coded(path, size)
-            if not len(coded):
-                return State(found, tuple(self._reviews()), closed=True)
-            found = np.vstack([found, coded])
-        return State(found, tuple(self._reviews()))
+        parts, rows, closed = [np.empty((0, size))], initial, False
+        while not closed and (path := self._points(rows)).exists():
+            parts.append(_coded(path, size))
+            rows, closed = rows + len(parts[-1]), not len(parts[-1])
+        return State(np.vstack(parts), tuple(self._reviews()), closed)
 
     def write(self, initial: int, state: State) -> None:
         """Keep a state that comes from elsewhere; what is there already stays."""
@@ -118,12 +120,19 @@ def from_data(found: Mapping[str, Any]) -> Review:
 
 def _read(path: Path) -> Mapping[str, Any]:
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        seen = path.stat()
+        found = _parsed(path, seen.st_mtime_ns, seen.st_size)
     except (OSError, ValueError):
         raise _damaged(path) from None
     if not isinstance(found, dict):
         raise _damaged(path)
     return found
+
+
+@lru_cache(maxsize=FILES)
+def _parsed(path: Path, changed: int, size: int) -> Any:
+    """The JSON data of a file that was changed last at this time: it is read once."""
+    return json.loads(path.read_text(encoding="utf-8"))
 
 
 def _damaged(path: Path) -> ResultsError:

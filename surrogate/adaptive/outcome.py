@@ -61,7 +61,7 @@ class Outcome:
         steps = f"{self.batch} points at a time" if self.batch else "a point for each free place"
         unit = f" {self.figure_unit}".rstrip()
         goal = f", until {NAMES[self.figure]} {self.goal:g}{unit}" * math.isfinite(self.goal)
-        return f"after the first {self.initial} {steps}{goal}"
+        return f"after the first {self.initial} runs, {steps}{goal}"
 
     @property
     def figure_unit(self) -> str:

@@ -22,6 +22,10 @@ def section(content: Content) -> Section:
         blocks.append(Answer(tuple(verdict(content, output) for output in content.outputs)))
     if content.screening is not None and len(content.outputs) > 1:
         blocks.append(Text(f"For all outputs: {decided(content.screening)}", "lead"))
+    blocks += [
+        Text(f"Design {name}: {digits.squared(str(one.outcome))}.", "lead")
+        for name, one in content.adaptive.items()
+    ]
     blocks += [Text(f"Goal {name}: {found}", "lead") for name, found in content.solve.items()]
     if content.calibration is not None:
         blocks.append(Text(calibration.answer(content.calibration), "lead"))

@@ -64,7 +64,8 @@ class AdaptiveUntilPart(Part):
     patience: int | None = Field(
         None,
         ge=1,
-        description="End after so many runs in which the figure did not improve. Default: never.",
+        description="End after so many runs in which the figure did not improve by 5 %. Default: "
+        "never.",
         examples=[30],
     )
 

@@ -199,6 +199,8 @@ def test_reasons_to_end():
     assert reason(asked, stalled, 35) == NO_IMPROVEMENT
     assert reason(asked, stalled[:3], 30) == ""
     assert reason(rule(AIMS[0]), stalled, 35) == ""
+    slow = [looked(20, 0.5), looked(25, 0.51), looked(30, 0.52)]
+    assert reason(asked, slow, 30) == NO_IMPROVEMENT, "less than a twentieth of what is missing"
 
 
 def test_what_is_kept_is_read_again(tmp_path):

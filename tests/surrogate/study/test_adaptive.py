@@ -259,7 +259,9 @@ def test_check_status_terminal_and_report_tell_of_it(folder):
     written(folder, aim="accuracy", minimise=None, until={"runs": 12, "q2": 0.9999999})
     checked = command("check", "bowl.yaml", cwd=folder, check=0).stdout
     assert "8 of at most 12 runs, aim: accuracy of depth" in " ".join(checked.split())
-    assert "after the first 8 a point for each free place, until Q2 1" in " ".join(checked.split())
+    assert "after the first 8 runs, a point for each free place, until Q2 1" in " ".join(
+        checked.split()
+    )
     assert "24 to do" in checked
     done = " ".join(command("run", "bowl.yaml", cwd=folder, check=0).stdout.split())
     assert "design train: 12 of at most 12 runs" in done
