@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from surrogate.adaptive.aim import FIGURES, NAMES
 from surrogate.study.parts.methods import DesignPart
 from surrogate.study.parts.part import Part
 from surrogate.study.parts.solve import Quantity
@@ -20,14 +21,6 @@ BELONGING = {
     "optimum": ("minimise", "maximise"),
     "target": ("target",),
     "probability": ("output", "above", "below"),
-}
-#: Aim -> what `until` may name.
-JUDGED = {
-    "accuracy": ("q2", "rmse"),
-    "index_width": ("width",),
-    "optimum": ("gain",),
-    "target": ("unsure",),
-    "probability": ("unsure",),
 }
 Share = Annotated[float, Field(gt=0, lt=1)]
 
@@ -143,17 +136,13 @@ class AdaptivePart(Part):
         ):
             raise ValueError("aim probability needs output: OUTPUT and one of above and below")
         until = self.until
-        named = [key for key in ("q2", "rmse", "width", "gain", "unsure") if _given(until, key)]
-        unfit = [key for key in named if key not in JUDGED[self.aim]]
+        named = [key for key in NAMES if getattr(until, key) is not None]
+        unfit = [key for key in named if key not in FIGURES[self.aim]]
         if unfit:
             raise ValueError(
                 f"until: {unfit[0]} is not judged for aim {self.aim}; give "
-                f"{' or '.join(JUDGED[self.aim])}"
+                f"{' or '.join(FIGURES[self.aim])}"
             )
         if len(named) > 1:
             raise ValueError(f"until: give one of {' and '.join(named)}")
         return self
-
-
-def _given(until: AdaptiveUntilPart, key: str) -> bool:
-    return getattr(until, key) is not None
