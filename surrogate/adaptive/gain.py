@@ -1,9 +1,9 @@
 """Whether choosing points paid, by the study's own numbers.
 
-For the accuracy over the whole space a space-filling design is hard to beat: a study of 1 920
-analyses found no systematic gain of adaptive ones. So each study is asked itself: the error that
-the learning curve of the initial runs lets expect of as many runs of their kind, beside the error
-that was reached, both on the test design.
+For the accuracy over the whole space a space-filling design is hard to beat, and whether choosing
+helps depends on the function (Fuhg, Fau and Nackenhorst 2021, doi 10.1007/s11831-020-09474-6). So
+each study is asked itself: the error that the learning curve of the initial runs lets expect of as
+many runs of their kind, beside the error that was reached, both on the test design.
 """
 
 from __future__ import annotations
