@@ -15,6 +15,7 @@ from surrogate.cli.progress import duration
 from surrogate.cli.table import Table
 from surrogate.execution.fresh import interrupted
 from surrogate.runs import dataset as rundata
+from surrogate.runs.levels import cost_sentences, costs
 from surrogate.study.study import Study
 
 
@@ -55,7 +56,8 @@ def check(study: Study, results: Path, model: str | None = None, effect: float =
     parts += _constraint_lines(study)
     parts += [f"design {name}: {one}\n" for name, one in study.outcomes(results).items()]
     parts += [f"note: {note}" for note in study.notes]
-    parts += [_surrogate_line(study), _runs_line(study, stored, counts, unfound), *study.unused]
+    parts += [_surrogate_line(study), _runs_line(study, stored, counts, unfound)]
+    parts += [*cost_sentences(stored), *study.unused]
     parts += rundata.described(stored, "damaged")
     data = {
         "study": study.name,
@@ -79,6 +81,7 @@ def check(study: Study, results: Path, model: str | None = None, effect: float =
         "broken_constraints": study.broken_constraints,
         "notes": list(study.notes),
         "runs": counts,
+        "levels": costs(stored),
         "stored": rundata.described(stored, "stored"),
         "unused": study.unused,
         "damaged": rundata.described(stored, "damaged"),
@@ -158,6 +161,7 @@ def status(study: Study, results: Path) -> Page:
     files = rundata.described(stored, "stored")
     if counts["missing"] or files:
         parts.append(_runs_line(study, stored, counts, unfound))
+    parts += cost_sentences(stored)
     waiting = interrupted(study.journal(results))
     if waiting:
         parts.append(
@@ -169,6 +173,7 @@ def status(study: Study, results: Path) -> Page:
         {
             "study": study.name,
             "runs": counts,
+            "levels": costs(stored),
             "stored": files,
             "unused": study.unused,
             "damaged": rundata.described(stored, "damaged"),

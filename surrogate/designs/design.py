@@ -84,6 +84,18 @@ class Design(Carded):
         found = replace(self, chosen=len(coded))
         return found.with_points(np.vstack([self.initial, coded]))
 
+    @property
+    def levels(self) -> list[str]:
+        """Level of fidelity of each row, of a design that names levels in `runs`; [] of others.
+
+        What was added to it is of its last level.
+        """
+        counts = self.options.get("runs")
+        if not isinstance(counts, Mapping):
+            return []
+        named = [name for name, count in counts.items() for _ in range(count)]
+        return (named + [list(counts)[-1]] * max(self.runs - len(named), 0))[: self.runs]
+
     def repeated(self, times: int) -> Design:
         """The same design with each point `times` times, one after the other."""
         return replace(

@@ -11,7 +11,7 @@ import xarray as xr
 
 from surrogate.differences.folder import ResultsFolder
 from surrogate.differences.part import SIDES, Part
-from surrogate.runs.dataset import counts, output_names
+from surrogate.runs.dataset import LEVEL, LEVELS, counts, output_names
 
 #: Significant digits in which inputs must agree to be the same.
 DIGITS = 12
@@ -81,6 +81,7 @@ def _keys(runs: xr.Dataset) -> list[Key]:
         (str(k), _value(v)) for k, v in json.loads(runs.attrs.get("fixed_inputs", "{}")).items()
     ]
     names = [str(name) for name in runs["parameter"].values]
+    names += [LEVEL] if LEVELS in runs.attrs else []
     columns = [[_value(one) for one in runs[name].values.tolist()] for name in names]
     return [
         tuple(sorted([*fixed, *zip(names, row, strict=True)])) for row in zip(*columns, strict=True)

@@ -4,9 +4,10 @@ The process of a level is a scaled copy of the level below and an independent di
 
     y(x) = rho(x) y_below(x) + delta(x),   rho(x) = g(x)' b
 
-y_below about its mean (Kennedy and O'Hagan 2000). Le Gratiet and Garnier 2014 fit one level after the other: given the
-level below, rho is a part of the trend of a universal kriging, with the columns g(x) times the
-mean of the level below. Rho is integrated out like the rest of the trend.
+y_below about its mean (Kennedy and O'Hagan 2000). Le Gratiet and Garnier 2014 fit one level
+after the other: given the level below, rho is a part of the trend of a universal kriging, with
+the columns g(x) times the level below: its answers at the runs, its mean elsewhere. Rho is
+integrated out like the rest of the trend.
 """
 
 from __future__ import annotations
@@ -71,10 +72,10 @@ class LevelProcess(GaussianProcess):
 
     def _take(self, X: ArrayLike, y: ArrayLike) -> None:
         super()._take(X, y)
-        self.points_ = self.points_ * self._taken
+        self.points_ = self.points_ * self.mask
 
     @property
-    def _taken(self) -> Array:
+    def mask(self) -> Array:
         """1 for each column of an input that the level takes, 0 for others, (c,)."""
         if self.inputs is None:
             return np.ones(len(self.columns_))
@@ -82,7 +83,7 @@ class LevelProcess(GaussianProcess):
 
     def expanded(self, X: ArrayLike) -> Array:
         """Numeric columns (m, c) of coded points (m, d); zeros for inputs that are not taken."""
-        return super().expanded(X) * self._taken
+        return super().expanded(X) * self.mask
 
     def own_columns(self, parameter: int, nodes: Array) -> tuple[list[int], Array]:
         """As of `GaussianProcess`; none for an input that the level does not take."""
@@ -92,7 +93,7 @@ class LevelProcess(GaussianProcess):
 
     def _linear_terms(self) -> list[Term]:
         """The constant, and each column of an input that is taken."""
-        taken = self._taken
+        taken = self.mask
         return [t for t in linear_terms(self.columns_) if all(taken[j] for j, _ in t)]
 
     def _trend_terms(self) -> list[Term]:
@@ -133,7 +134,7 @@ class LevelProcess(GaussianProcess):
 
     def mean(self, points: Array) -> Array:
         """The standardised mean (m,) at numeric columns (m, c) of all inputs."""
-        points = points * self._taken
+        points = points * self.mask
         sums = weighted_sum(points, self.points_, self.lengths_, self.weights_)
         return np.asarray(sums + self.trend_columns(points) @ self.trend_)
 
@@ -150,7 +151,7 @@ class LevelProcess(GaussianProcess):
         Of the process, without a run's nugget; rho's mean square multiplies what comes from
         below (Le Gratiet and Garnier 2014, proposition 2).
         """
-        points = points * self._taken
+        points = points * self.mask
         _, variance = self._sums_and_variance(points, self.weights_[:, None])
         own = self.variance_ * np.maximum(variance - self.nugget_, 0.0)
         if self.below is None:
@@ -189,6 +190,6 @@ class LevelProcess(GaussianProcess):
         """Number of the run below at each of the points (k, c); -1 where there is none."""
         below = self.below
         assert below is not None
-        apart = np.abs((points * below._taken)[:, None, :] - below.points_[None]).max(axis=2)
+        apart = np.abs((points * below.mask)[:, None, :] - below.points_[None]).max(axis=2)
         nearest = apart.argmin(axis=1)
         return np.where(apart[np.arange(len(points)), nearest] < SAME, nearest, -1)

@@ -14,9 +14,10 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from surrogate.errors import StudyError
-from surrogate.runs.dataset import STATUSES
+from surrogate.runs.dataset import LEVEL, LEVELS, STATUSES
 from surrogate.runs.identity import SolverSpec, canonical, keys, run_inputs
 from surrogate.runs.journal import JournalContents
+from surrogate.runs.levels import LevelsSpec
 from surrogate.runs.names import name_mistakes, storable
 from surrogate.runs.record import Record
 from surrogate.runs.stored import KnownRuns
@@ -47,6 +48,7 @@ def assemble(
     seeds: Mapping[str, Any] | None = None,
     run_keys: Sequence[str] | None = None,
     values: bool = True,
+    levels: Sequence[str] = (),
 ) -> xr.Dataset:
     """The runs dataset of several designs, from what the journal holds.
 
@@ -56,6 +58,7 @@ def assemble(
     study    text of the study file; seeds: name -> seed. Both are kept as attributes
     run_keys identity of each row (surrogate.runs.identity.keys), where it is at hand
     values   False: without the outputs
+    levels   level of fidelity of each row, where the study has levels
 
     Raises `StudyError` when a name would stand for two things.
     """
@@ -66,9 +69,11 @@ def assemble(
     physical = physical_columns(space, designs)
     first = {name: column[:1] for name, column in physical.items()}
     one = next(iter(run_inputs(spec, first, constants)), {})
-    fixed = {name: value for name, value in one.items() if name not in physical}
+    leveled = isinstance(spec, LevelsSpec)
+    fixed = {k: v for k, v in one.items() if k not in physical and not (leveled and k == LEVEL)}
     if run_keys is None:
-        run_keys = keys(spec, run_inputs(spec, physical, constants))
+        columns = {**physical, LEVEL: list(levels)} if leveled else physical
+        run_keys = keys(spec, run_inputs(spec, columns, constants))
     known = journal.records
     found = [known.get(key) for key in run_keys]
     records = [record if record and record.answers(wanted) else None for record in found]
@@ -83,9 +88,13 @@ def assemble(
             **_outputs(wanted if values else {}, records, journal),
             **_history(designs, records),
             "origin": _origins(journal, run_keys),
+            **(_levels(levels) if leveled else {}),
         },
         coords={"parameter": list(space.names), **_coordinates(wanted if values else {})},
-        attrs=_provenance(spec, constants, fixed, study, seeds),
+        attrs={
+            **_provenance(spec, constants, fixed, study, seeds),
+            **({LEVELS: spec.told_of(space.names, one)} if isinstance(spec, LevelsSpec) else {}),
+        },
     )
 
 
@@ -175,6 +184,11 @@ def _origins(journal: JournalContents | KnownRuns, run_keys: Sequence[str]) -> V
     known = journal if isinstance(journal, KnownRuns) else None
     origins = np.array([known.origin(key) if known else "" for key in run_keys], dtype=str)
     return "run", origins, {"long_name": "file and row that the run comes from"}
+
+
+def _levels(levels: Sequence[str]) -> dict[str, Variable]:
+    """Level of fidelity of each run."""
+    return {LEVEL: ("run", np.array(levels, dtype=str), {"long_name": "level of fidelity"})}
 
 
 def _provenance(

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from surrogate.runs.dataset import output_names
+from surrogate.runs.dataset import LEVEL, LEVELS, output_names
 from surrogate.runs.names import storable
 from surrogate.solver import Output
 
@@ -20,7 +20,7 @@ JOURNAL = "journal"
 #: What is known of a run when it has ended, besides its outputs.
 _ANSWERS = ("status", "message", "seconds", "attempts", "finished")
 #: Attributes that say what was run.
-_SAME = (JOURNAL, "identity", "constants", "fixed_inputs", "deterministic")
+_SAME = (JOURNAL, "identity", "constants", "fixed_inputs", "deterministic", LEVELS)
 
 
 def compacted(
@@ -44,11 +44,12 @@ def compacted(
 
 
 def _is_of(file: xr.Dataset, asked: xr.Dataset, wanted: Mapping[str, Output]) -> bool:
+    levels = (LEVEL,) if LEVELS in asked.attrs else ()
     return (
-        all(file.attrs.get(name) == asked.attrs[name] for name in _SAME)
+        all(file.attrs.get(name) == asked.attrs.get(name) for name in _SAME)
         and output_names(file) == list(wanted)
         and all(_is_output(file[name], output) for name, output in wanted.items())
-        and all(file[name].identical(asked[name]) for name in ("coded", "design"))
+        and all(file[name].identical(asked[name]) for name in ("coded", "design", *levels))
         and all(file[name].identical(asked[name]) for name in asked["parameter"].values)
     )
 

@@ -27,6 +27,10 @@ from surrogate.runs.time_left import time_left
 #: Status of a row: has an answer, has none, took too long, was not run yet.
 STATUSES = ("ok", "failed", "timed_out", "missing")
 
+#: Of a study with levels of fidelity: the variable that tells a run's level, and the attribute
+#: that describes the levels, cheapest first.
+LEVEL, LEVELS = "level", "levels"
+
 
 def save(runs: xr.Dataset | xr.DataTree, path: str | Path, *, compressed: bool = False) -> None:
     """Write a dataset as netCDF4, all of it or nothing: an older file stays until it is whole.
@@ -78,17 +82,35 @@ def select(
     return runs.isel(run=keep)
 
 
+def level_names(runs: xr.Dataset) -> list[str]:
+    """Levels of fidelity, cheapest first; none where there is but one solver."""
+    return [one["name"] for one in described(runs, LEVELS)] if LEVELS in runs.attrs else []
+
+
+def at_level(runs: xr.Dataset, level: str | None = None) -> xr.Dataset:
+    """The rows of one level of fidelity; None: of the truth. All rows where there are no levels."""
+    names = level_names(runs)
+    if not names:
+        return runs
+    level = names[-1] if level is None else level
+    return runs.isel(run=np.flatnonzero(runs[LEVEL].values.astype(str) == level))
+
+
 def training(
-    runs: xr.Dataset, output: str, designs: Iterable[str] = ("train",)
+    runs: xr.Dataset,
+    output: str,
+    designs: Iterable[str] = ("train",),
+    level: str | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Coded points (n, parameter) and values (n, ...) of `output` in the good runs of `designs`.
 
-    Runs in which the output has a gap are left out.
+    Runs in which the output has a gap are left out. level: of fidelity; default the truth.
     """
     known = output_names(runs)
     if output not in known:
         raise ResultsError(f"there is no output '{output}'; {nearest(output, known)}")
-    good = select(runs, designs=designs, statuses=["ok"])
+    chosen = select(runs, designs=designs, statuses=["ok"])
+    good = at_level(chosen, level)
     values = good[output].values
     known = np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
     return good["coded"].values[known], values[known]
@@ -99,7 +121,9 @@ def output_names(runs: xr.Dataset) -> list[str]:
     return [
         str(name)
         for name in runs.data_vars
-        if name not in RESERVED_NAMES and name not in runs["parameter"].values
+        if name not in RESERVED_NAMES
+        and name not in runs["parameter"].values
+        and not (name == LEVEL and LEVELS in runs.attrs)
     ]
 
 
@@ -112,6 +136,7 @@ def call_and_answer(runs: xr.Dataset, run: int) -> tuple[RunInputs, dict[str, np
     call = {
         **described(runs, "fixed_inputs"),
         **{name: row[name].item() for name in runs["parameter"].values.tolist()},
+        **({LEVEL: row[LEVEL].item()} if LEVELS in runs.attrs else {}),
     }
     return call, {name: row[name].values for name in output_names(runs)}
 
@@ -128,6 +153,14 @@ def seconds_left(runs: xr.Dataset, workers: int = 1, more: int = 0) -> float | N
     more: runs that are missing besides those of the dataset. Equal points are counted once per
     row, so it errs on the long side.
     """
+    names = level_names(runs)
+    if names:  # each run costs what those of its level do; more runs are of the truth
+        each = [
+            seconds_left(at_level(runs, name).drop_attrs(), workers, more * (name == names[-1]))
+            for name in names
+        ]
+        known = [seconds for seconds in each if seconds is not None]
+        return sum(known) if known else None
     took = runs["seconds"].values
     begun = runs["finished"].values - (took * 1e9).astype("timedelta64[ns]")
     seconds = took[np.argsort(begun, kind="stable")]

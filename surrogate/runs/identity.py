@@ -13,12 +13,13 @@ import hashlib
 import json
 import os
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from surrogate.errors import StudyError, nearest
 from surrogate.solver import Input, Output, Solver
@@ -85,6 +86,15 @@ class SolverSpec:
     def plain_options(self) -> dict[str, Any]:
         """The options as JSON would give them back."""
         return dict(json.loads(canonical(self.options)))
+
+    def parts(
+        self, calls: Sequence[RunInputs]
+    ) -> Iterator[tuple[SolverSpec, NDArray[np.intp], list[RunInputs]]]:
+        """The solvers that answer these calls: spec, numbers of its calls, and the calls.
+
+        One, but for levels of fidelity (`surrogate.runs.levels`).
+        """
+        yield self, np.arange(len(calls)), list(calls)
 
     def wanted(self, names: Iterable[str] | None = None) -> dict[str, Output]:
         """The outputs called `names`, or all that the solver offers when None."""
@@ -156,7 +166,14 @@ def _value(name: str, one: Input, value: Any) -> float | str:
 
 def keys(spec: SolverSpec, calls: Iterable[RunInputs]) -> list[str]:
     """Identity of each run, 32 hexadecimal digits; equal for equal runs."""
-    return keys_in(spec.context, calls, spec.deterministic)
+    calls = list(calls)
+    found = [""] * len(calls)
+    for own, numbers, asked in spec.parts(calls):
+        for number, key in zip(
+            numbers, keys_in(own.context, asked, own.deterministic), strict=True
+        ):
+            found[number] = key
+    return found
 
 
 def keys_in(context: str, calls: Iterable[RunInputs], deterministic: bool) -> list[str]:

@@ -12,6 +12,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain, product
 from pathlib import Path
 from typing import Any
 
@@ -55,10 +56,27 @@ class StoredRuns:
         return "origin" in self.runs and bool((self.runs["origin"].values != "").any())
 
     @cached_property
+    def parts(self) -> tuple[StoredRuns, ...]:
+        """The runs of each solver in it: one, but for levels of fidelity."""
+        if rundata.LEVELS not in self.runs.attrs:
+            return (self,)
+        return tuple(
+            StoredRuns(
+                self.name,
+                rundata.at_level(self.runs, one["name"]).assign_attrs(
+                    identity=one["identity"],
+                    fixed_inputs=json.dumps(one["fixed_inputs"]),
+                    taken=one["parameters"],
+                ),
+            )
+            for one in rundata.described(self.runs, rundata.LEVELS)
+        )
+
+    @cached_property
     def run_inputs(self) -> list[RunInputs]:
         """What the solver was called with, for each run."""
         fixed = json.loads(self.runs.attrs["fixed_inputs"])
-        names = self.runs["parameter"].values.tolist()
+        names = self.runs.attrs.get("taken", self.runs["parameter"].values.tolist())
         rows = zip(*(self.runs[name].values.tolist() for name in names), strict=True)
         return [{**fixed, **dict(zip(names, row, strict=True))} for row in rows]
 
@@ -150,10 +168,11 @@ def match(
     calls, keys: the study's points. Good runs must have all outputs `wanted`.
     """
     given = StoredMatches()
-    for file in files:
-        if file.context != spec.context:
+    solvers = list(spec.parts(calls))
+    for file, (own, numbers, asked) in product(chain(*(f.parts for f in files)), solvers):
+        if file.context != own.context:
             continue
-        rows = _rows_of(file, spec, dict(zip(keys, calls, strict=True)))
+        rows = _rows_of(file, own, dict(zip((keys[n] for n in numbers), asked, strict=True)))
         for key, row in rows.items():
             record = file.record(key, row)
             first = given.records.get(key)
@@ -244,6 +263,7 @@ def first_difference(
     file: StoredRuns, spec: SolverSpec, calls: Sequence[RunInputs], wanted: Iterable[str]
 ) -> str:
     """Why no run of the file is a point of the study: what differs first, then -> now."""
+    file = file.parts[-1]
     then, now = json.loads(file.context), json.loads(spec.context)
     for word in ("solver", "version"):
         if then.get(word) != now[word]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from surrogate.runs import dataset as rundata
 from surrogate.space.space import Space
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
 def failures(space: Space, runs: xr.Dataset) -> FailingRegion | None:
     """Where the runs fail; None when few did, or nothing tells where."""
+    runs = rundata.at_level(runs)
     status = runs["status"].values.astype(str)
     made = status != "missing"
     failed = np.asarray(status[made] != "ok")

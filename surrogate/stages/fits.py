@@ -7,10 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
+from sklearn.base import clone
 
+from surrogate.errors import FitError
 from surrogate.estimator import Regressor
 from surrogate.fitting import fit as fitting
 from surrogate.fitting.fit import Fit
+from surrogate.regressors.level_process import LevelRuns
 from surrogate.runs import dataset as rundata
 from surrogate.space.space import Space
 from surrogate.stages.digest import digest, of_object
@@ -45,6 +48,7 @@ def jobs(
 def _job(space: Space, surrogate: Surrogate, output: str, runs: xr.Dataset) -> Job:
     begun = np.intersect1d(surrogate.train, runs["design"].values.astype(str)).tolist()
     coded, values = rundata.training(runs, output, begun)
+    lower = lower_runs(surrogate, output, runs)
     return Job(
         f"{surrogate.name} of {output}",
         fit,
@@ -55,9 +59,41 @@ def _job(space: Space, surrogate: Surrogate, output: str, runs: xr.Dataset) -> J
             "estimator": surrogate.estimator,
             "coded": coded,
             "values": values,
+            "lower": lower,
         },
-        digest(of_object(surrogate.estimator), coded, values),
+        digest(
+            of_object(surrogate.estimator),
+            coded,
+            values,
+            *(part for one in lower for part in (one.coded, one.values, one.inputs)),
+        ),
     )
+
+
+def learns_from_levels(estimator: Regressor) -> bool:
+    """True when the estimator takes the runs of cheaper levels of fidelity, as `lower`."""
+    return "lower" in estimator.get_params(deep=False)
+
+
+def lower_runs(surrogate: Surrogate, output: str, runs: xr.Dataset) -> tuple[LevelRuns, ...]:
+    """Good runs of the levels below the truth, cheapest first, for one that learns from them."""
+    if not learns_from_levels(surrogate.estimator):
+        return ()
+    designs = np.intersect1d(surrogate.train, runs["design"].values.astype(str)).tolist()
+    names = runs["parameter"].values.tolist()
+    told = rundata.described(runs, rundata.LEVELS) if rundata.level_names(runs) else []
+    return tuple(
+        LevelRuns(
+            *rundata.training(runs, output, designs, one["name"]),
+            inputs=tuple(names.index(p) for p in one["parameters"]),
+        )
+        for one in told[:-1]
+    )
+
+
+def with_lower(estimator: Regressor, lower: tuple[LevelRuns, ...]) -> Regressor:
+    """The estimator with the runs of cheaper levels; itself without any."""
+    return clone(estimator).set_params(lower=lower) if lower else estimator
 
 
 def fit(
@@ -67,15 +103,24 @@ def fit(
     estimator: Regressor,
     coded: np.ndarray,
     values: np.ndarray,
+    lower: tuple[LevelRuns, ...] = (),
 ) -> Fit:
-    """One fit; raises `FitError` or `PluginError` when it cannot be had."""
+    """One fit; raises `FitError` or `PluginError` when it cannot be had.
+
+    lower: runs of cheaper levels of fidelity
+    """
+    if lower and values.ndim > 1:
+        raise FitError(
+            f"surrogate '{surrogate}' cannot be fitted to '{output}': co-kriging is for single "
+            "numbers; use another surrogate for fields"
+        )
     found: Fit = call(
         f"surrogate '{surrogate}' cannot be fitted to '{output}'",
         fitting.fit,
         space,
         coded,
         values,
-        estimator,
+        with_lower(estimator, lower),
         surrogate=surrogate,
         output=output,
     )

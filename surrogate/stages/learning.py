@@ -21,7 +21,7 @@ from surrogate.fitting.learning import SUBSETS, Curve, Runs, has_curve, has_give
 from surrogate.runs import dataset as rundata
 from surrogate.space.space import Space
 from surrogate.stages.comparison import TEST
-from surrogate.stages.fits import Fits, Surrogate
+from surrogate.stages.fits import Fits, Surrogate, lower_runs, with_lower
 from surrogate.stages.sensitivity import SensitivityMethod, indices
 from surrogate.stages.stage import Job, Result
 
@@ -89,7 +89,9 @@ def jobs(
                     learnt,
                     {
                         "fit": fit,
-                        "estimator": surrogates[name].estimator,
+                        "estimator": with_lower(
+                            surrogates[name].estimator, lower_runs(surrogates[name], output, runs)
+                        ),
                         "test": test,
                         "subsets": learning_rule.subsets,
                         "unit": str(runs[output].attrs.get("units", "")),

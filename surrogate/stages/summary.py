@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.runs import dataset as rundata
+from surrogate.runs.levels import costs
 
 
 def summary(
@@ -22,6 +23,7 @@ def summary(
         "stamp": stamp,
         "runs": rundata.counts(runs),
         "stored": rundata.described(runs, "stored"),
+        **({"levels": costs(runs)} if rundata.level_names(runs) else {}),
         **figures,
         "not_done": not_done,
     }

@@ -29,10 +29,12 @@ from surrogate.execution.shared.work import Shared, work
 from surrogate.runs import stored as storing
 from surrogate.runs.assembly import assemble, physical_columns
 from surrogate.runs.compaction import JOURNAL, compacted
+from surrogate.runs.dataset import LEVEL
 from surrogate.runs.identity import RunInputs, SolverSpec, canonical, keys, run_inputs
 from surrogate.runs.journal import Journal, JournalContents
 from surrogate.runs.journal import digest as journal_digest
 from surrogate.runs.journal import read as read_journal
+from surrogate.runs.levels import LevelsSpec
 from surrogate.runs.stored import KnownRuns, StoredMatches, StoredRuns
 from surrogate.space.space import Space
 from surrogate.stages import written
@@ -109,7 +111,7 @@ class AskedRuns:
         if all(design.at_hand for design in self.designs.values()):
             return self
         designs = {
-            name: design if design.at_hand else design.with_points(points)
+            name: design if design.at_hand else _imagined_design(design, points)
             for name, design in self.designs.items()
         }
         return replace(self, designs=designs)
@@ -131,10 +133,29 @@ class AskedRuns:
         """Coded points (run, parameter) of each design."""
         return {name: design.coded for name, design in self.designs.items()}
 
+    @property
+    def levels(self) -> list[str]:
+        """Level of fidelity of each row, the truth but for nested designs; [] without levels."""
+        if not isinstance(self.spec, LevelsSpec):
+            return []
+        truth = list(self.spec.levels)[-1]
+        return [
+            level
+            for design in self.designs.values()
+            for level in design.levels or [truth] * len(design.coded)
+        ]
+
+    @property
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Inputs that vary, name -> (run,), in physical values."""
+        columns = physical_columns(self.space, self.points)
+        leveled = isinstance(self.spec, LevelsSpec)
+        return {**columns, LEVEL: np.array(self.levels, dtype=str)} if leveled else columns
+
     @cached_property
     def calls(self) -> list[RunInputs]:
         """What the solver is called with, for each row of the runs dataset."""
-        return run_inputs(self.spec, physical_columns(self.space, self.points), self.constants)
+        return run_inputs(self.spec, self.columns, self.constants)
 
     @cached_property
     def keys(self) -> list[str]:
@@ -213,6 +234,7 @@ class AskedRuns:
             },
             run_keys=run_keys,
             values=values,
+            levels=self.levels,
         )
         return runs.assign_attrs(
             {JOURNAL: journal.digest},
@@ -268,7 +290,7 @@ class AskedRuns:
             "progress": progress,
             "rerun": rerun,
         }
-        columns = physical_columns(self.space, self.points)
+        columns = self.columns
         taken: dict[str, Any] = {"others": self._neighbours(), "given": self.given}
         if isinstance(executor, Shared):
             if fresh:
@@ -305,6 +327,15 @@ class AskedRuns:
         return [
             journal for journal in sorted(own.parent.parent.glob("*/journal")) if journal != own
         ]
+
+
+def _imagined_design(design: Design, points: NDArray[np.float64]) -> Design:
+    """The design with these points, at each of its levels of fidelity if it has some."""
+    names = list(dict.fromkeys(design.levels))
+    if not names:
+        return design.with_points(points)
+    options = {**design.options, "runs": dict.fromkeys(names, len(points))}
+    return replace(design, options=options).with_points(np.tile(points, (len(names), 1)))
 
 
 def _imagined(space: Space, file: StoredRuns) -> NDArray[np.float64]:

@@ -32,7 +32,6 @@ from surrogate.errors import StudyError, nearest
 from surrogate.execution.answers import accepted
 from surrogate.execution.shared.claims import Presence, SharedFolder, at_work
 from surrogate.execution.shared.work import own_name
-from surrogate.runs.assembly import physical_columns
 from surrogate.runs.identity import RunInputs
 from surrogate.runs.journal import Journal, JournalContents
 from surrogate.runs.record import Record
@@ -247,7 +246,7 @@ class Campaign(Carded):
     @cached_property
     def _columns(self) -> dict[str, NDArray[Any]]:
         """Physical values of all points, name -> (run,)."""
-        return physical_columns(self.study.space, self._runs.points)
+        return self._runs.columns
 
     def _answers(
         self, given: Sequence[Any], outputs: Any, failed: str | None, several: bool

@@ -16,6 +16,7 @@ from surrogate.study.parts.data import DataOutputPart, DataPart, DataTestPart
 from surrogate.study.parts.execution import ExecutionPart
 from surrogate.study.parts.inputs import ConstantPart, ParameterPart, SolverPart
 from surrogate.study.parts.learning import LearningPart, UntilPart
+from surrogate.study.parts.levels import LevelPart
 from surrogate.study.parts.methods import (
     DesignPart,
     ScreeningPart,
@@ -27,7 +28,7 @@ from surrogate.study.parts.solve import DesirePart, SolvePart, TargetPart
 from surrogate.study.parts.study import KINDS_OF_DESIGN, StudyPart
 
 #: Sections whose entries are checked one by one: a broken entry leaves the others standing.
-_SECTIONS = ("parameters", "constants", "designs", "surrogates", "solve")
+_SECTIONS = ("parameters", "constants", "levels", "designs", "surrogates", "solve")
 _STAND_INS = {"study": "unnamed", "solver": "unnamed", "parameters": {}, "designs": {}}
 #: Keys that a study without data needs.
 _NEEDED = ("solver", "parameters", "designs")
@@ -213,6 +214,7 @@ def _keys_at(path: KeyPath) -> list[str]:
         "data": DataPart,
         "parameters": ParameterPart,
         "constants": ConstantPart,
+        "levels": LevelPart,
         "designs": AdaptivePart,  # the others take any key: their options
         "surrogates": SurrogatePart,
         "sensitivity": SensitivityPart,

@@ -148,6 +148,8 @@ def _mark(node: yaml.Node, path: KeyPath, source: Source, loader: _Loader) -> li
             mistakes += _mark(item, (*path, index), source, loader)
     elif isinstance(node, yaml.MappingNode):
         for key, item in node.value:
+            if _holds_levels(path) and key.tag == "tag:yaml.org,2002:bool":
+                key.tag = "tag:yaml.org,2002:str"
             here = (*path, _as_text(key, loader))
             line, column = _position(key)
             if here in source.keys:
@@ -158,6 +160,11 @@ def _mark(node: yaml.Node, path: KeyPath, source: Source, loader: _Loader) -> li
             source.keys[here] = (line, column)
             mistakes += _mark(item, here, source, loader)
     return mistakes
+
+
+def _holds_levels(path: KeyPath) -> bool:
+    """Whether the keys at `path` are levels of fidelity, of which one may be called true."""
+    return path == ("levels",) or (path[:1] == ("designs",) and path[2:] == ("runs",))
 
 
 def _as_text(key: yaml.Node, loader: _Loader) -> str:

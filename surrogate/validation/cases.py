@@ -198,7 +198,11 @@ def read_runs(path: Path, name: str) -> Cases:
 
 
 def from_runs(runs: xr.Dataset, name: str) -> Cases:
-    """The good runs of a dataset: parameters, constants and scalar outputs are the columns."""
+    """The good runs of a dataset: parameters, constants and scalar outputs are the columns.
+
+    Of levels of fidelity those of the truth.
+    """
+    runs = rundata.at_level(runs)
     rows = np.flatnonzero(runs["status"].values == "ok")
     if not len(rows):
         raise StudyError(f"cases '{name}': there is no finished run")

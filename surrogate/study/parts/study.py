@@ -13,6 +13,7 @@ from surrogate.study.parts.data import DataPart
 from surrogate.study.parts.execution import ExecutionPart
 from surrogate.study.parts.inputs import ConstantPart, ParameterPart, SolverPart
 from surrogate.study.parts.learning import LearningPart
+from surrogate.study.parts.levels import LevelPart
 from surrogate.study.parts.methods import (
     DesignPart,
     ScreeningPart,
@@ -91,6 +92,14 @@ class StudyPart(Part):
         None,
         description="Outputs that are analysed. Default: all of the solver's.",
         examples=[["peak_stress"]],
+    )
+    levels: dict[Name, LevelPart] = Field(
+        {},
+        description="Levels of fidelity, cheapest first; the last is the truth, of which all "
+        "results speak. A nested design runs them, the surrogate cokriging learns from all.",
+        examples=[
+            {"cheap": {"options": {"mesh": "coarse"}}, "true": {"options": {"mesh": "fine"}}}
+        ],
     )
     designs: dict[Name, AnyDesign] = Field(
         {},

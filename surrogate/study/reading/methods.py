@@ -13,7 +13,7 @@ from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
 from surrogate.sensitivity.independence import spoilt
 from surrogate.space.space import Space
-from surrogate.stages.fits import Surrogate
+from surrogate.stages.fits import Surrogate, learns_from_levels
 from surrogate.stages.plugin import call, parameters_of
 from surrogate.stages.sensitivity import SensitivityMethod
 from surrogate.stages.verified import design_of
@@ -26,7 +26,7 @@ from surrogate.study.reading.named import check_surrogate
 from surrogate.study.reading.rows import DATA
 
 #: Parameters of plug-ins that the framework fills in; they are not options.
-GIVEN_TO_REGRESSORS = ("space",)
+GIVEN_TO_REGRESSORS = ("space", "lower")
 GIVEN_TO_SENSITIVITY = ("fit", "space", "confidence", "q2", "groups")
 
 
@@ -87,6 +87,21 @@ def _check_training(reading: Reading, surrogate: Surrogate, designs: Mapping[str
                 *path,
                 "train",
             )
+    if learns_from_levels(surrogate.estimator) and not reading.is_broken("levels"):
+        trained = [designs[name] for name in surrogate.train if name in designs]
+        if not reading.part.levels:
+            reading.wrong(
+                f"{surrogate.method} learns from levels of fidelity, but the study has no levels:",
+                *path,
+                "method",
+            )
+        elif trained and not any(design.levels for design in trained):
+            reading.wrong(
+                f"{surrogate.method} needs runs of every level; train it on a design of method "
+                "nested",
+                *path,
+                "train",
+            )
     if "test" in surrogate.train:
         reading.wrong(
             "design 'test' is held out to test the surrogates; it cannot train them; give the "
@@ -117,8 +132,11 @@ def too_small(
 
 def _different(designs: Sequence[Design]) -> int:
     """Number of different points, at most; those that are not searched for yet may differ."""
+    leveled = [design.levels for design in designs if design.levels]
+    designs = [design for design in designs if not design.levels]
     there = [design.coded for design in designs if design.at_hand]
     sought = sum(one.rows // one.replicates for one in designs if not one.at_hand)
+    sought += sum(levels.count(levels[-1]) for levels in leveled)  # only those of the truth
     return sought + (len(np.unique(np.vstack(there), axis=0)) if there else 0)
 
 

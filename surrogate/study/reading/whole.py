@@ -18,6 +18,7 @@ from surrogate.study.reading.data import Data, columns_of, data_of, described, r
 from surrogate.study.reading.designs import designs_of, replicated
 from surrogate.study.reading.execution import check_execution
 from surrogate.study.reading.learning import learning_of
+from surrogate.study.reading.levels import check_nested, levels_of
 from surrogate.study.reading.methods import check_screening, sensitivity_of, surrogates_of
 from surrogate.study.reading.mistakes import Reading, sentences
 from surrogate.study.reading.parameters import space_of
@@ -47,6 +48,7 @@ def fields_of(
     constants = constants_of(notes, solver) if solver else {}
     rows = rows_of(notes, data, space, spec, constants) if data and space else None
     designs = designs_of(notes, space)
+    check_nested(notes, designs)
     if solver:
         designs = replicated(notes, designs, solver)
     designs |= rows.designs if rows else {}
@@ -98,7 +100,7 @@ def fields_of(
 def _sources(notes: Reading) -> tuple[SolverSpec, Solver | None, Data | None]:
     """Where the answers come from: a solver, a table in its place, or both."""
     if notes.part.solver is not None or notes.part.data is None:
-        spec, solver = solver_of(notes)
+        spec, solver = levels_of(notes, *solver_of(notes))
         return spec, solver, data_of(notes, solver) if solver else None
     data = data_of(notes, None)
     if data is None:
