@@ -18,8 +18,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surrogate.regressors.gaussian_process import GaussianProcess
-from surrogate.regressors.kriging import left_out_errors
+from surrogate.regressors.gaussian_process import FINE, GaussianProcess
+from surrogate.regressors.length_search import guesses
 from surrogate.regressors.matern import weighted_sum
 from surrogate.regressors.polynomial import Term, design_matrix, linear_terms
 from surrogate.space.space import Space
@@ -67,8 +67,13 @@ class LevelProcess(GaussianProcess):
         self.below, self.inputs, self.scale = below, inputs, scale
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
-        """Fit to coded points X (n, d) and values y (n,)."""
-        return super().fit(X, y)
+        """Fit to coded points X (n, d) and values y (n,); deviations are not widened."""
+        self._take(X, y)
+        logs = guesses(self._bounds(), self.seed)
+        if self.scale_ > 0.0:
+            logs = self._search(self.standard_[:, None], logs, 1, max(self.starts, 1), FINE)
+        self._set(logs[0], self._factored(logs[0]))
+        return self
 
     def _take(self, X: ArrayLike, y: ArrayLike) -> None:
         super()._take(X, y)
@@ -169,11 +174,11 @@ class LevelProcess(GaussianProcess):
         errors d there, its answers at B are predicted, and rho d is added (Le Gratiet 2013,
         Multi-fidelity Gaussian process regression for computer experiments, section 4.3).
         """
-        labels = np.full(len(self.points_), len(folds))
-        for number, fold in enumerate(folds):
-            labels[fold] = number
-        everywhere = left_out_errors(self.factors_, self.weights_, labels, among=len(folds))
-        errors = [everywhere[fold] for fold in folds]
+        projected = self.factors_.projected
+        errors: list[Array] = [
+            np.asarray(np.linalg.solve(projected[np.ix_(fold, fold)], self.weights_[fold]))
+            for fold in folds
+        ]
         if self.below is None:
             return errors
         twins = [self._twins(self.points_[fold]) for fold in folds]
