@@ -34,6 +34,7 @@ def choose(model: CoKriging, candidates: ArrayLike, seconds: Sequence[float]) ->
 
 def _regions(model: CoKriging) -> NDArray[np.float64]:
     """Share of the cube in which a run of each level tells something, (levels,)."""
-    return np.array(
-        [np.minimum(level.lengths_, 2.0)[level.mask > 0].prod() for level in model.levels_]
-    ) / np.array([2.0 ** (level.mask > 0).sum() for level in model.levels_])
+    shares = [
+        np.prod(np.minimum(level.lengths_, 2.0)[level.mask > 0.0] / 2.0) for level in model.levels_
+    ]
+    return np.array(shares, dtype=float)
