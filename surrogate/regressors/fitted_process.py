@@ -141,8 +141,7 @@ class FittedProcess(RegressorMixin, BaseEstimator):
         Each offers `predict(X)` and `sobol_indices()`; see `surrogate.regressors.paths`.
         """
         check_is_fitted(self)
-        drawn = paths.draw(self, size, seed)
-        return [paths.Draw(drawn, number) for number in range(size)]
+        return paths.draws([self], size, seed)
 
     def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
         """Sobol' indices of the mean under the space's law, of inputs or groups; exact.

@@ -23,10 +23,12 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.utils.validation import validate_data
+from scipy import linalg
+from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.counting import counted
 from surrogate.errors import nearest
+from surrogate.regressors import paths
 from surrogate.regressors.columns import columns_of, expand
 from surrogate.regressors.fitted_process import FittedProcess, predicted
 from surrogate.regressors.folds import point_folds
@@ -34,6 +36,7 @@ from surrogate.regressors.kriging import Factored, left_out_errors
 from surrogate.regressors.length_search import Search, guesses
 from surrogate.regressors.likelihood import Posterior
 from surrogate.regressors.polynomial import linear_terms
+from surrogate.regressors.uncertain_lengths import plausible
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
@@ -49,6 +52,8 @@ TRENDS = ("constant", "linear")
 SUBSET = 300
 #: Up to this number of runs a left-out fold has its own lengths and nugget.
 REFIT = 200
+#: Sets of lengths and nugget that draws of one output come from.
+SETS = 10
 #: Relative change of the deviance at which a search ends: of the fit, and of a refit to
 #: most of the runs, whose lengths need fewer digits.
 FINE, ROUGH = 2e-9, 1e-6
@@ -71,9 +76,13 @@ class GaussianProcess(FittedProcess):
     seed    of the starts
     space   the Space of the inputs; None for numeric inputs uniform on [-1, 1]
 
-    Fitted: what `FittedProcess` lists. `widening_` is 1 for processes of many outputs and of
-    given lengths.
+    Fitted: what `FittedProcess` lists; by `fit` alone `folds_` (n,) and `left_out_`, standardised
+    predictions (n,) of each run without its fold and their deviations. `widening_` is 1 for
+    processes of many outputs and of given lengths.
     """
+
+    folds_: NDArray[np.intp] | None
+    left_out_: tuple[Array, Array]
 
     def __init__(
         self,
@@ -151,6 +160,7 @@ class GaussianProcess(FittedProcess):
         points, outputs = validate_data(self, X, y, y_numeric=True, ensure_min_samples=2)
         self._check()
         self.columns_ = columns_of(self.space, points.shape[1])
+        self.folds_ = None  # known after `fit`
         self.points_ = expand(points, self.columns_)
         self._standardise(outputs)
 
@@ -216,8 +226,35 @@ class GaussianProcess(FittedProcess):
         those of all runs; above, where a fold hardly moves them, they are kept.
         """
         folds = np.asarray(folds)
-        known = np.array_equal(folds, getattr(self, "folds_", ()))
+        known = self.folds_ is not None and np.array_equal(folds, self.folds_)
         return self._unscaled((self.left_out_ if known else self._left_out(folds))[0])
+
+    def posterior_draws(self, size: int, seed: int | None = None) -> list[paths.Draw]:
+        """Functions that are as plausible as the mean, given the runs.
+
+        Up to `REFIT` runs of one output they come from `SETS` sets of lengths and nugget. Each
+        offers `predict(X)` and `sobol_indices()`; see `surrogate.regressors.paths`.
+        """
+        check_is_fitted(self)
+        if self.scale_ == 0.0 or len(self.points_) > REFIT or self.folds_ is None:
+            return super().posterior_draws(size, seed)
+        rng = np.random.default_rng(seed)
+        return paths.draws(self._plausible(min(SETS, size), rng), size, rng)
+
+    def _plausible(self, count: int, rng: np.random.Generator) -> list[GaussianProcess]:
+        """Processes of the same runs whose lengths and nugget are drawn from their posterior."""
+        trend, standard = self.trend_columns(self.points_), self.standard_[:, None]
+        posterior = Posterior(self.points_, trend, standard)
+        found = []
+        for logs in plausible(posterior, self.logs_, self._bounds(), count, rng):
+            other = copy(self)
+            try:
+                other._set(logs, other._factored(logs))
+            except linalg.LinAlgError:  # singular to rounding
+                other._set(self.logs_, self.factors_)
+            other.widening_ = self.widening_
+            found.append(other)
+        return found
 
     def _unscaled(self, standard: Array) -> Array:
         return self.offset_ + self.scale_ * standard

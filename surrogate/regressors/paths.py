@@ -15,6 +15,7 @@ smooth process their spread was wrong by factors.)
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -170,26 +171,53 @@ class Paths:
 
 
 @dataclass(frozen=True)
-class Draw:
-    """One drawn function, with what a regressor offers."""
+class Together:
+    """Functions drawn from several processes, the paths of one after those of another."""
 
-    paths: Paths
+    parts: tuple[Paths, ...]
+
+    def predict(self, X: ArrayLike, which: slice) -> Array:
+        """Values (m, k) of a slice of all paths at coded X (m, d)."""
+        return np.hstack([part.predict(X, slice(None)) for part in self.parts])[:, which]
+
+
+@dataclass(frozen=True)
+class Draw:
+    """One drawn function, with what a regressor offers.
+
+    paths  all functions drawn with it;  own, number  those of its process, and which one it is
+    """
+
+    paths: Together
+    own: Paths
     number: int
 
     def predict(self, X: ArrayLike) -> Array:
         """Values (m,) at coded X (m, d)."""
-        return self.paths.predict(X, self.number)
+        return self.own.predict(X, self.number)
 
     def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
-        """Exact Sobol' indices; those of all paths are found together, once."""
-        return self.paths.indices(groups)[self.number]
+        """Exact Sobol' indices; those of all paths of a process are found together, once."""
+        return self.own.indices(groups)[self.number]
+
+
+def draws(processes: Sequence[Process], size: int, seed: Any) -> list[Draw]:
+    """`size` functions, as nearly as many of each process as of another."""
+    rng = np.random.default_rng(seed)
+    sizes = [len(part) for part in np.array_split(np.arange(size), len(processes))]
+    parts = tuple(draw(*pair, rng) for pair in zip(processes, sizes, strict=True))
+    together = Together(parts)
+    return [
+        Draw(together, part, number)
+        for part, count in zip(parts, sizes, strict=True)
+        for number in range(count)
+    ]
 
 
 def draw(process: Process, size: int, seed: Any) -> Paths:
     """Draw `size` functions of a fitted `GaussianProcess`; seed as for `default_rng`.
 
-    Trend coefficients and process variance are drawn too; lengths and nugget are kept, for which
-    the widening of the deviations makes up.
+    Trend coefficients and process variance are drawn too; lengths and nugget are the process's.
     """
     rng = np.random.default_rng(seed)
     factors, points = process.factors_, process.points_

@@ -6,7 +6,9 @@ from scipy.stats import qmc
 
 from surrogate.regressors import paths
 from surrogate.regressors.gaussian_process import GaussianProcess
+from surrogate.regressors.likelihood import Posterior
 from surrogate.regressors.matern import correlation
+from surrogate.regressors.uncertain_lengths import plausible
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 
@@ -118,3 +120,38 @@ def test_constant_output_has_constant_paths():
     x = NUMERIC.sample(10, seed=0)
     draw = GaussianProcess(space=NUMERIC).fit(x, np.full(10, 2.0)).posterior_draws(2, seed=0)[0]
     assert (draw.predict(x) == 2.0).all() and draw.sobol_indices().variance == 0.0
+
+
+def test_lengths_are_drawn_from_the_curvature_of_the_posterior():
+    """Laplace: the covariance of log lengths is 2 H^-1, here by differences of the values."""
+    process, x, _ = fitted(n=60)
+    logs, size = process.logs_.copy(), len(process.logs_)
+    logs[-1] = np.log(1e-3)
+    posterior = Posterior(process.points_, np.ones((60, 1)), process.standard_[:, None])
+
+    def value(*moves):
+        return posterior.at(logs + np.sum(moves, axis=0)).deviances[0]
+
+    h = 0.01 * np.eye(size)
+    hessian = [
+        [(value(a, b) - value(a, -b) - value(-a, b) + value(-a, -b)) / 4e-4 for b in h] for a in h
+    ]
+    values, axes = np.linalg.eigh(hessian)
+    covariance = axes @ np.diag(1.0 / np.maximum(values / 2.0, 1.5**-2)) @ axes.T
+    wide = np.log([[1e-30, 1e30]] * size)
+    drawn = plausible(posterior, logs, wide, 20_000, np.random.default_rng(0))
+    deviation = np.sqrt(np.diag(covariance))
+    np.testing.assert_allclose(
+        np.cov(drawn.T) / np.outer(deviation, deviation),
+        covariance / np.outer(deviation, deviation),
+        atol=0.04,
+    )
+
+
+def test_draws_of_one_output_differ_in_lengths_and_are_found_together():
+    process, x, _ = fitted()
+    drawn = process.posterior_draws(25, seed=4)
+    assert len({tuple(one.own.process.lengths_) for one in drawn}) == 10
+    together = drawn[0].paths.predict(x[:5], slice(None))
+    alone = np.column_stack([one.predict(x[:5]) for one in drawn])
+    np.testing.assert_allclose(together, alone, rtol=1e-9)
