@@ -84,7 +84,14 @@ def test_a_persons_interval_holds_what_finite_elements_give():
         own, modes = both_ways(number)
         alphas = shipped_basis().project(legs.snapshots()[:, number])
         scan = SimpleNamespace(
-            scanned=own, leg=modes, length=legs.length[number], alphas=alphas, knee=None
+            scanned=own,
+            leg=modes,
+            length=legs.length[number],
+            alphas=alphas,
+            knee=None,
+            front=None,
+            other=None,
+            widening=1.0,
         )
         choice = choose_bandage(inputs["bandage"], mu_skin=inputs["mu_skin"], hand=None)
         told = predict_pressure(scan, choice, reduced)

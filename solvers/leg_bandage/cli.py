@@ -30,6 +30,7 @@ from .options import (
     Gradient,
     Html,
     KnownHand,
+    Landmark,
     Length,
     Mesh,
     MuSkin,
@@ -81,6 +82,7 @@ def fit_scan_verb(
     unit: Unit = None,
     up: Up = None,
     front: Front = None,
+    landmark: Landmark = None,
     length: Length = None,
     ends: Ends = False,
     cohort: Annotated[
@@ -99,6 +101,7 @@ def fit_scan_verb(
         unit=unit,
         up=up,
         front=front,
+        landmarks=landmark or (),
         length=length,
         ends=ends,
         **_learnt(cohort, modes),
@@ -132,6 +135,7 @@ def predict_verb(
     unit: Unit = None,
     up: Up = None,
     front: Front = None,
+    landmark: Landmark = None,
     length: Length = None,
     ends: Ends = False,
     html: Html = None,
@@ -147,7 +151,16 @@ def predict_verb(
         )
     reduced = Reduced.read(study)
     with threadpool_limits(1):  # its matrices are small
-        fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends)
+        fitted = fit_scan(
+            scan,
+            side=side,
+            unit=unit,
+            up=up,
+            front=front,
+            landmarks=landmark or (),
+            length=length,
+            ends=ends,
+        )
     told = predict_pressure(fitted, choice, reduced, (mesh or "coarse") if solve else None, target)
     if html is not None:
         _write(html, person_page(told))

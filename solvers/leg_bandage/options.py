@@ -12,8 +12,19 @@ from rich.table import Table
 from .bandage.products import BANDAGES
 from .prediction import BandageChoiceError
 from .scan import ScanError
+from .scan.marks import DIRECTIONS
 
-Side = Annotated[str, typer.Option(help="right, left, or auto: the side that fits better.")]
+Side = Annotated[
+    str,
+    typer.Option(help="right, left, or auto: by landmarks, foot or shape; both where none tells."),
+]
+Landmark = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME=X,Y,Z",
+        help=f"Point on the skin in the file's axes, repeatable: {', '.join(DIRECTIONS)}.",
+    ),
+]
 Unit = Annotated[
     str | None,
     typer.Option(

@@ -17,6 +17,7 @@ from .options import (
     Front,
     Gradient,
     KnownHand,
+    Landmark,
     Length,
     Mesh,
     MuSkin,
@@ -68,6 +69,7 @@ def plan_verb(
     unit: Unit = None,
     up: Up = None,
     front: Front = None,
+    landmark: Landmark = None,
     length: Length = None,
     ends: Ends = False,
     as_json: AsJson = False,
@@ -81,7 +83,16 @@ def plan_verb(
     asked, down = _standard(standard), two_pressures("--gradient", gradient)
     reduced = Reduced.read(study)
     with threadpool_limits(1):  # its matrices are small
-        fitted = fit_scan(scan, side=side, unit=unit, up=up, front=front, length=length, ends=ends)
+        fitted = fit_scan(
+            scan,
+            side=side,
+            unit=unit,
+            up=up,
+            front=front,
+            landmarks=landmark or (),
+            length=length,
+            ends=ends,
+        )
     told = predict_pressure(fitted, choice, reduced, gradient=down)
     plan = plan_wrapping(told, target, standard=asked, within=kept, overlap=overlap, gradient=down)
     solved = _verified(told, plan, mesh or "coarse", graduated) if solve else None

@@ -36,8 +36,11 @@ def parts_of(
     inputs: dict[str, float],
     factor: float | None,
     choice: BandageChoice,
+    widening: float = 1.0,
 ) -> tuple[Part, ...]:
     """Surrogate, shape of the leg, friction where it is unknown and varied, bandager's hand.
+
+    widening: of the shape part, for a leg unlike those that it was found on.
 
     factor: by which the shape law has corrected the reduced model's pressure; None if it has not.
     """
@@ -51,7 +54,7 @@ def parts_of(
             scale * (high - value),
             f"what {reduced.count} runs leave open; 95 %",
         ),
-        _shape(scale * value, corrected=factor is not None),
+        _shape(scale * value, factor is not None, widening),
     ]
     if choice.mu_range is not None and "mu_skin" in reduced.names:
         found.append(_friction(reduced, inputs, scale, value, choice.mu_range))
@@ -72,16 +75,23 @@ def _hand(value: float, hand: Hand, stretch: float) -> Part:
     )
 
 
-def _shape(value: float, corrected: bool) -> Part:
+def reach(name: str, value: float, others: Sequence[float], meaning: str) -> Part:
+    """From the lowest to the highest of the values that it may be instead."""
+    ends = [other - value for other in others]
+    return Part(name, min(0.0, *ends), max(0.0, *ends), meaning)
+
+
+def _shape(value: float, corrected: bool, widening: float) -> Part:
     law = shape_law()
-    missed = law.error(corrected, CONFIDENCE)
+    missed = min(widening * law.error(corrected, CONFIDENCE), 1.0)
     after = "after the correction by Laplace's law " if corrected else ""
     return Part(
         "leg shape",
         -missed * value,
         missed * value,
         f"what the shape modes miss of a leg {after}is {missed:.1%} of the pressure or "
-        f"less on {len(law.missed)} validation legs, by finite elements; 95 %",
+        f"less on {len(law.missed)} validation legs, by finite elements; 95 %"
+        + (f"; {widening:.1f} times that for a leg unlike them" if widening > 1 else ""),
     )
 
 

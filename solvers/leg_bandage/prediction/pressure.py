@@ -23,6 +23,7 @@ from .bandage_choice import BandageChoice
 from .hand import OVERLAP
 from .interval import Part, joined, parts_of
 from .points import KNEE_GIRTH, KNEE_HEIGHT, ONE_LAYER, under_sensor
+from .pose import other_shapes, pose_parts
 from .reduced import Reduced
 from .shape import Shape
 from .shape_correction import by_laplace_if_it_can, by_tape, shape_law
@@ -130,6 +131,8 @@ def predict_pressure(
 ) -> Prediction:
     """The pressure at B1 and along the leg.
 
+    Raises ScanError where nothing tells the side of the leg and the two give other pressures.
+
     mesh      of the finite element model to solve beside, None for none
     gradient  mmHg at ankle and knee to set the points against
     """
@@ -142,7 +145,11 @@ def predict_pressure(
     factor = shape_law().factor(laplace)
     on_modes = float(reduced.at_b1.predict(reduced.coded(inputs))[0])
     value = on_modes if factor is None else factor * on_modes
-    parts = parts_of(reduced, inputs, factor, choice)
+    others = other_shapes(scan, shape)
+    parts = (
+        *parts_of(reduced, inputs, factor, choice, scan.widening),
+        *pose_parts(scan, value, others, reduced, choice),
+    )
     outside = reduced.outside(inputs)
     solved, unsolved = _solved(scan.scanned, choice, mesh)
     return Prediction(
@@ -160,7 +167,15 @@ def predict_pressure(
         by_tape(scan.scanned, choice.effective_tension),
         solved,
         unsolved,
-        points_of(shape, reduced, choice, (value, parts), gradient=gradient),
+        points_of(
+            shape,
+            reduced,
+            choice,
+            (value, parts),
+            [one for shapes in others.values() for one in shapes],
+            scan.widening,
+            gradient,
+        ),
         gradient,
     )
 

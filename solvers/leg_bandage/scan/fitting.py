@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -14,47 +15,28 @@ from ..geometry.basis import Basis, shipped_basis
 from ..geometry.cohort import load_cohort
 from ..geometry.feasibility import check_leg
 from ..geometry.leg import Leg
-from .cuts import Cuts, find_cuts
+from .cuts import find_cuts
 from .decimation import decimated
 from .directions import Directions
 from .errors import ScanError
+from .familiarity import unlike, widening
+from .front import Front, about_front, turned_to_front
 from .knee import knee_of
+from .marks import Landmarks
+from .nearest import Error, nearest_leg, standing_sections
 from .pose import (
-    SETTLED,
-    STEPS,
     Body,
     Start,
-    as_left,
-    lost,
-    shape_of,
     stand,
     starts,
-    turn_to_mean,
 )
 from .reading import read_surface
-from .refusal import check_holes, check_skin, more_than_a_leg, why_no_leg
-from .sections import THETA, Sections, cut_sections
+from .refusal import check_skin, more_than_a_leg, why_no_leg
+from .sections import THETA, Sections
+from .settling import SIDES, Options, Sided, settled, sided
 from .units import UNITS, unit_of
 
-SIDES = ("auto", "right", "left")
-
-SURE_OF_SIDE = 0.2
-"""By what part worse the other side must fit for the side to be told by the shape."""
-
 ROUNDING = 1e-9
-
-NO_LEG = 6.0
-"""mm RMS that the shape modes may miss of a leg. Shipped legs that were not learnt from:
-0.5 to 3.4 mm."""
-
-
-@dataclass(frozen=True)
-class Error:
-    """Distance, mm, between points of scan and fitted leg at the same height and angle."""
-
-    rms: float
-    percentile_95: float
-    largest: float
 
 
 @dataclass(frozen=True)
@@ -74,6 +56,8 @@ class FittedScan:
     notes     sentences on what was assumed, done and seen
     knee      height above the ankle cut and girth, mm, of the narrowest girth under the knee;
               None where the scan does not show it
+    front     who told where the front is, and the degrees it may be off
+    other     the same scan taken for the other side, where nothing tells which it is
     """
 
     path: Path
@@ -88,6 +72,8 @@ class FittedScan:
     unit: str
     notes: tuple[str, ...]
     knee: tuple[float, float] | None = None
+    front: Front | None = None
+    other: FittedScan | None = None
 
     @property
     def coordinates(self) -> dict[str, float]:
@@ -108,6 +94,11 @@ class FittedScan:
             for name, (low, high) in self.ranges.items()
         }
 
+    @property
+    def widening(self) -> float:
+        """By what the shape part of an interval grows for a leg unlike the shipped ones."""
+        return widening(self.scanned, self.error.rms)
+
     @cached_property
     def residual(self) -> np.ndarray:
         """(100, RAYS): mm by which the scan lies outside the fitted leg, along its normal."""
@@ -125,6 +116,7 @@ def fit_scan(
     unit: str | None = None,
     up: str | None = None,
     front: str | None = None,
+    landmarks: Sequence[str] = (),
     length: float | None = None,
     ends: bool = False,
     basis: Basis | None = None,
@@ -132,17 +124,19 @@ def fit_scan(
 ) -> FittedScan:
     """Fit the scan of a lower leg in an STL, PLY or OBJ file; raises ScanError.
 
-    side     right, left, or auto: the side that fits better, if it does so clearly
+    side     right, left, or auto: by the landmarks, the foot, or the shape if it tells clearly;
+             else the side that fits better, with the `other` beside it
     unit     of the file: mm, cm, inch, m; default: the one that makes the ankle an ankle
     up       direction in the axes of the file (z, -y ...) that points up the leg; default: the
              leg is stood up so that the mean leg, made wider or slimmer, fits it best
     front    likewise the direction of the shin; needs up
+    landmarks  points on the skin in the axes and unit of the file, as malleolus_medial=x,y,z
     length   mm of leg to take above the ankle; default: as far as the shipped legs go
     ends     cut where the scan ends, for a scan that was cut already
     basis    default: the shipped one with 4 modes
     lengths  smallest and largest length of the legs of the basis; default: the shipped ones'
     """
-    known = Directions.parse(up, front)
+    options = Options(Directions.parse(up, front), Landmarks.parse(landmarks), side, length, ends)
     _check(side, unit, length, ends)
     basis = shipped_basis() if basis is None else basis
     surface = read_surface(path)
@@ -150,29 +144,48 @@ def fit_scan(
         whole = Body(surface.vertices, surface.triangles)
         seen = decimated(whole)
         start, found, about_unit = _start(seen, basis, unit)
-        leg = _sided(start, basis, side, length, ends)
-        if seen is not whole:
-            posed = replace(start, body=leg.body.posing(whole))
-            leg = replace(_settled(leg.side, posed, basis, length, ends), note=leg.note)
-        body, cuts = leg.body, leg.cuts
-        if known.up is not None:
-            body = stand(body, cuts.levels, known)
-            cuts = find_cuts(body, start.zone, length, ends)
-        sections = _sections(body, cuts)
-        notes = (
-            *surface.notes,
-            about_unit,
-            leg.note,
-            _about_pose(known),
-            *cuts.notes,
-            *_about_holes(sections),
-        )
-        fitted = _fitted(
-            Path(path), sections, basis, lengths or _shipped_lengths(), leg.side, found, notes
-        )
-        return replace(fitted, knee=knee_of(body, cuts))
+        legs = sided(start, basis, options)
+        lengths = lengths or _shipped_lengths()
+        fitted = []
+        for leg in legs:
+            if seen is not whole:
+                posed = replace(start, body=leg.body.posing(whole))
+                leg = replace(settled(leg.side, posed, basis, options), note=leg.note)
+            notes = (*surface.notes, about_unit)
+            fitted.append(_stood(Path(path), leg, start, basis, lengths, options, found, notes))
+        best, *others = fitted
+        return replace(best, other=others[0]) if others else best
     except ScanError as error:
         raise ScanError(f"{path}: {error}") from None
+
+
+def _stood(
+    path: Path,
+    leg: Sided,
+    start: Start,
+    basis: Basis,
+    lengths: tuple[float, float],
+    options: Options,
+    unit: str,
+    notes: tuple[str, ...],
+) -> FittedScan:
+    """A settled leg turned to what is known of its directions, cut and fitted."""
+    body, cuts, known = leg.body, leg.cuts, options.known
+    if known.up is not None:
+        body = stand(body, cuts.levels, known)
+        cuts = find_cuts(body, start.zone, options.length, options.ends)
+    body, front = turned_to_front(body, cuts.ankle, known, options.marks)
+    sections = standing_sections(body, cuts)
+    notes = (
+        *notes,
+        leg.note,
+        _about_pose(known),
+        about_front(front),
+        *cuts.notes,
+        *_about_holes(sections),
+    )
+    fitted = _fitted(path, sections, basis, lengths, leg.side, unit, notes)
+    return replace(fitted, knee=knee_of(body, cuts), front=front)
 
 
 def _shipped_lengths() -> tuple[float, float]:
@@ -187,7 +200,7 @@ def _about_pose(known: Directions) -> str:
             "direction found from the shape: turned to fit the mean leg, which removes any "
             "tilt; give --up to keep it"
         )
-    return "up as given; front " + ("found from the shape" if known.front is None else "as given")
+    return "up as given"
 
 
 def _check(side: str, unit: str | None, length: float | None, ends: bool) -> None:
@@ -220,86 +233,9 @@ def _start(body: Body, basis: Basis, unit: str | None) -> tuple[Start, str, str]
     return start, found, f"unit {found}: {how}"
 
 
-@dataclass(frozen=True)
-class _Sided:
-    """A body as a right leg in the pose of the mean leg, and how it came there."""
-
-    side: str
-    body: Body
-    cuts: Cuts
-    missed: float
-    note: str = ""
-
-
-def _sided(start: Start, basis: Basis, side: str, length: float | None, ends: bool) -> _Sided:
-    """The leg taken for the side that is given, or for the one that clearly fits better."""
-    tried = [
-        _settled(name, start if name == "right" else as_left(start, basis), basis, length, ends)
-        for name in (SIDES[1:] if side == "auto" else (side,))
-    ]
-    best, *others = sorted(tried, key=lambda one: one.missed)
-    if not others:
-        return replace(best, note=f"{best.side} leg, as given")
-    worse = others[0].missed / best.missed - 1
-    if worse < SURE_OF_SIDE:
-        _modes_of(_sections(best.body, best.cuts), basis)
-        raise ScanError(
-            "the shape does not tell whether this is a right or a left leg (the other "
-            f"side fits only {worse:.0%} worse); give --side right or --side left"
-        )
-    return replace(
-        best,
-        note=f"{best.side} leg: found from the shape, the other side fits "
-        f"{worse:.0%} worse; give --side if that is wrong",
-    )
-
-
-def _settled(side: str, start: Start, basis: Basis, length: float | None, ends: bool) -> _Sided:
-    """Pose and cuts depend on each other: a step of each in turn until they stay."""
-    body = start.body
-    for _ in range(STEPS):
-        cuts = find_cuts(body, start.zone, length, ends)
-        body, angle = turn_to_mean(body, cuts.levels, basis)
-        if angle < SETTLED:
-            break
-    return _Sided(side, body, cuts, _missed(body, cuts, basis))
-
-
-def _missed(body: Body, cuts: Cuts, basis: Basis) -> float:
-    """Norm of what all modes miss of the shape."""
-    shape = shape_of(cut_sections(body.vertices, body.triangles, cuts.levels))
-    return float(np.linalg.norm(lost(shape, basis, basis.modes.shape[1])))
-
-
-def _sections(body: Body, cuts: Cuts) -> Sections:
-    """The 100 sections, ankle centre at the origin; raises ScanError for too many holes."""
-    found = cut_sections(body.vertices, body.triangles, cuts.levels)
-    check_holes(found)
-    return replace(found, z=found.z - cuts.ankle, centre=found.centre - found.centre[0])
-
-
 def _about_holes(sections: Sections) -> tuple[str, ...]:
     holes = sections.missing.mean()
     return (f"holes make up {holes:.1%} of the skin; they are filled smoothly",) if holes else ()
-
-
-def _modes_of(sections: Sections, basis: Basis) -> tuple[Leg, Error]:
-    """The nearest leg of the basis and what it misses; raises ScanError for what is no leg."""
-    length = float(np.ptp(sections.z))
-    leg = Leg.from_alphas(length, basis.project(shape_of(sections)), basis)
-    away = np.linalg.norm(sections.points - leg.surface(THETA, leg.z[:, None]), axis=-1)
-    away = away[~sections.missing]
-    error = Error(
-        float(np.sqrt((away**2).mean())), float(np.percentile(away, 95)), float(away.max())
-    )
-    if error.rms > NO_LEG:
-        raise ScanError(
-            f"the nearest leg of the basis misses the scan by "
-            f"{error.rms:.1f} mm (RMS; at most {NO_LEG:g}): this is hardly a lower "
-            "leg; cut the scan to the part from ankle to knee, or say its direction "
-            "with --up"
-        )
-    return leg, error
 
 
 def _fitted(
@@ -312,7 +248,7 @@ def _fitted(
     notes: tuple[str, ...],
 ) -> FittedScan:
     """The leg of the sections and of the modes; raises ScanError when they miss too much."""
-    leg, error = _modes_of(sections, basis)
+    leg, error = nearest_leg(sections, basis)
     ranges = {
         "length": lengths,
         **{f"alpha{k}": (float(low), float(high)) for k, (low, high) in enumerate(basis.ranges, 1)},
@@ -329,7 +265,12 @@ def _fitted(
         error,
         side,
         unit,
-        (*notes, *_possible(leg, "fitted"), *_possible(scanned, "scanned")),
+        (
+            *unlike(scanned, error.rms),
+            *notes,
+            *_possible(leg, "fitted"),
+            *_possible(scanned, "scanned"),
+        ),
     )
 
 

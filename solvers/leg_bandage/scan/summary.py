@@ -17,6 +17,9 @@ def figures(scan: FittedScan) -> dict[str, Any]:
     return {
         "file": str(scan.path),
         "side": scan.side,
+        "other_side": None if scan.other is None else _coordinates(scan.other),
+        "front": None if scan.front is None else asdict(scan.front),
+        "widening": scan.widening,
         "unit": scan.unit,
         "length": scan.length,
         "alphas": list(scan.alphas),
@@ -27,6 +30,10 @@ def figures(scan: FittedScan) -> dict[str, Any]:
         "holes": float(scan.sections.missing.mean()),
         "notes": list(scan.notes),
     }
+
+
+def _coordinates(scan: FittedScan) -> dict[str, Any]:
+    return {"side": scan.side, "length": scan.length, "alphas": list(scan.alphas)}
 
 
 def landmarks_of(leg: Leg) -> dict[str, Any]:

@@ -135,7 +135,8 @@ def test_parts_of_the_interval(told):
     hand = parts["hand"]
     ends = [end * told.value for end in Hand().interval(1.25, 0.95)]
     assert (hand.low, hand.high) == pytest.approx(ends)
-    down, up = (np.linalg.norm([two, missed, end]) for end in ends)
+    front = parts["front"].low, parts["front"].high
+    down, up = (np.linalg.norm([two, missed, *pair]) for pair in zip(ends, front, strict=True))
     assert (told.low, told.high) == pytest.approx((told.value - down, told.value + up), abs=1e-6)
 
 
@@ -157,14 +158,14 @@ def test_leg_that_laplace_cannot_answer_is_not_corrected(scan, study, monkeypatc
 def test_known_friction_leaves_its_part_out(scan, study):
     choice = choose_bandage("biflex_16", mu_skin=0.15)
     found = predict_pressure(scan, choice, Reduced.read(study))
-    assert [part.name for part in found.parts] == ["surrogate", "leg shape", "hand"]
+    assert [part.name for part in found.parts] == ["surrogate", "leg shape", "hand", "front"]
     assert found.on_modes == pytest.approx(answer(scan.leg, found.choice.tension, 0.15), abs=1e-6)
 
 
 def test_known_hand_leaves_its_part_out(scan, study):
     choice = choose_bandage("biflex_16", hand=None)
     found = predict_pressure(scan, choice, Reduced.read(study))
-    assert [part.name for part in found.parts] == ["surrogate", "leg shape", "friction"]
+    assert [part.name for part in found.parts] == ["surrogate", "leg shape", "friction", "front"]
     assert any("taken as laid" in note for note in found.notes)
 
 
