@@ -141,6 +141,16 @@ def test_landmark_far_from_the_skin(tmp_path):
 
 
 @pytest.fixture(scope="module")
+def reduced():
+    return Reduced.read()
+
+
+@pytest.fixture(scope="module")
+def symmetric_fit(symmetric):
+    return fit_scan(symmetric)
+
+
+@pytest.fixture(scope="module")
 def symmetric(tmp_path_factory):
     """A surrogate that has no side: a leg and its mirror image, averaged."""
     legs = load_cohort("val")
@@ -153,34 +163,34 @@ def symmetric(tmp_path_factory):
     return virtual.save(path, *virtual.leg_mesh(leg))
 
 
-def test_both_sides_where_nothing_tells(symmetric):
+def test_both_sides_where_nothing_tells(symmetric, symmetric_fit, reduced):
     """Its sides fit alike and give the same pressure: answered for both, with a part for it."""
-    fit = fit_scan(symmetric)
+    fit = symmetric_fit
     assert fit.other is not None and {fit.side, fit.other.side} == {"right", "left"}
     assert "neither foot nor landmarks nor shape tells" in " ".join(fit.notes)
-    told = predict_pressure(fit, choose_bandage("biflex_16"), Reduced.read())
+    told = predict_pressure(fit, choose_bandage("biflex_16"), reduced)
     parts = {part.name: part for part in told.parts}
     assert max(-parts["side"].low, parts["side"].high) < 0.05 * told.value
     known = fit_scan(symmetric, side="right")
     assert known.other is None and known.side == "right"
 
 
-def test_sides_that_do_not_agree_are_asked_for(symmetric):
+def test_sides_that_do_not_agree_are_asked_for(symmetric_fit, reduced):
     """The other side given the sections of a leg half as wide again: no answer without --side."""
-    fit = fit_scan(symmetric)
+    fit = symmetric_fit
     wide = fit.other.scanned
     wide = Leg.from_sections(wide.length, 1.4 * wide.coefficients, wide.centre)
     other = replace(fit.other, scanned=wide)
     with pytest.raises(ScanError, match="give --side right or --side left"):
-        predict_pressure(replace(fit, other=other), choose_bandage("biflex_16"), Reduced.read())
+        predict_pressure(replace(fit, other=other), choose_bandage("biflex_16"), reduced)
 
 
-def test_part_of_the_front_holds_a_front_that_is_off(straight):
+def test_part_of_the_front_holds_a_front_that_is_off(straight, reduced):
     """15 degrees either way, where the shape tells it: all pressures between lie in the part.
 
     The turned leg is predicted anew from its own sections; 8 degrees are a smaller part.
     """
-    reduced, choice = Reduced.read(), choose_bandage("biflex_16")
+    choice = choose_bandage("biflex_16")
     sizes = {}
     for source in ("shape", "foot"):
         fit = replace(straight, front=Front(source, OFF[source]))
