@@ -1,11 +1,13 @@
 """The studies that ship with their runs: all are there, and what the solver gives today."""
 
 import json
+import runpy
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from surrogate import Study
 from surrogate.runs.dataset import call_and_answer
@@ -160,3 +162,51 @@ def test_the_stored_runs_put_the_promise_of_bandage_target_to_the_test(tmp_path)
     assert best.verified.share[1] <= best.probability <= best.verified.share[2]
     stored = json.loads(Study.from_yaml(study.source.name).stored(tmp_path).attrs["stored"])
     assert stored == {"runs/bandage_target.nc": 168}
+
+
+@pytest.mark.slow
+def test_the_tension_law_that_made_the_pressures_is_learnt_again():
+    """Mahalanobis distance of the truth from the posterior mean, against chi-square at 1 %."""
+    made = runpy.run_path(str(ROOT / "studies/bandage_calibration/measure.py"))
+    study = Study.from_yaml(ROOT / "studies/bandage_calibration.yaml")
+    runs = study.stored()
+    fits = study.fit(runs)
+    found = study.calibrate(fits, study.compare(fits, runs))
+    assert found.figures.attrs["converged"]
+    assert all(
+        float(found.figures["shrinkage"].sel(unknown=n)) > 0.9
+        for n in made["TRUTH"]
+        if n != "mu_skin"
+    )
+    drawn = np.array([found.draws(name) for name in made["TRUTH"]])
+    off = np.array(list(made["TRUTH"].values())) - drawn.mean(axis=1)
+    assert off @ np.linalg.solve(np.cov(drawn), off) < stats.chi2.ppf(0.99, len(off))
+
+
+def test_the_finite_element_model_at_the_posterior_is_within_the_error_of_measurement():
+    """The verifying runs that ship: measured - solver scatters by 2 mmHg, chi-square at 1 %.
+
+    Draws of one case share its measurement, so that the degrees of freedom are the measurements.
+    """
+    study = Study.from_yaml(ROOT / "studies/bandage_calibration.yaml")
+    runs, problem = study.stored_runs[0].runs, study.calibration
+    runs = runs.isel(run=runs["design"].values.astype(str) == "verified_calibration")
+    known = problem.space.decode(problem.coded)
+    at = np.all(
+        [np.isclose(runs[name].values[:, None], known[name]) for name in problem.known], axis=0
+    )
+    assert runs.sizes["run"] == 20 and (at.sum(axis=0) == 2).all()
+    squares = 0.0
+    for one in problem.measured:
+        off = one.values - runs[one.output].values[:, None]
+        squares += (off[at] ** 2).sum() / 2.0
+    assert squares / 2.0**2 < stats.chi2.ppf(0.99, 20)
+
+
+@pytest.mark.slow
+def test_a_synthetic_measurement_is_what_the_solver_gives():
+    """A row of pressures.csv: the model at the known law, plus its noise, to the printed digit."""
+    made = runpy.run_path(str(ROOT / "studies/bandage_calibration/measure.py"))
+    row = made["FILE"].read_text().splitlines()[3].split(",")
+    told = np.array(list(made["exact"](made["CASES"][2]).values())) + made["noise"]()[2]
+    assert np.array(row[3:], dtype=float) == pytest.approx(told, abs=0.05 + AGREES)
