@@ -42,7 +42,7 @@ def noise() -> np.ndarray:
 def main() -> None:
     """Solve all cases and write the table."""
     with FILE.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
+        writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("case", *CASES[0], *SENSORS))
         for k, (case, error) in enumerate(zip(CASES, noise(), strict=True)):
             told = np.array(list(exact(case).values())) + error
