@@ -28,7 +28,10 @@ SOLVER_OPTIONS = {
 }
 #: Solvers whose runs are too long for every test run; their own tests run them.
 SLOW = {"leg_bandage", "leg_bandage_patient"}
-DESIGN_OPTIONS = {"fractional_factorial": {"resolution": 3}}
+DESIGN_OPTIONS = {
+    "fractional_factorial": {"resolution": 3},
+    "nested": {"runs": {"cheap": 20, "true": 12}},
+}
 
 
 def plugins(group):
