@@ -10,6 +10,7 @@ import json
 import os
 import sys
 import traceback
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -54,6 +55,7 @@ from .prediction import (
     predict_pressure,
     summary,
 )
+from .prediction.folder import rows_of, scans_in, write_table
 from .prediction.page import person_page
 from .prediction.summary_points import gradient_words, point_rows
 from .scan import FittedScan, ScanError, fit_scan
@@ -118,7 +120,9 @@ def fit_scan_verb(
 
 @app.command("predict")
 def predict_verb(
-    scan: Scan,
+    scan: Annotated[
+        Path, typer.Argument(metavar="SCAN", help="STL, PLY or OBJ; or a folder of them.")
+    ],
     bandage: BandageName = None,
     tension: Tension = None,
     stretch: Annotated[float, typer.Option(help="As laid: length over rest length.")] = 1.3,
@@ -138,6 +142,12 @@ def predict_verb(
     landmark: Landmark = None,
     length: Length = None,
     ends: Ends = False,
+    table_file: Annotated[
+        Path | None,
+        typer.Option(
+            "--csv", metavar="CSV", help="Of a folder: the table goes here; default pressures.csv."
+        ),
+    ] = None,
     html: Html = None,
     as_json: AsJson = False,
 ) -> None:
@@ -150,18 +160,31 @@ def predict_verb(
             f"--mesh {mesh} is that of the model which --solve runs; add --solve"
         )
     reduced = Reduced.read(study)
-    with threadpool_limits(1):  # its matrices are small
-        fitted = fit_scan(
-            scan,
-            side=side,
-            unit=unit,
-            up=up,
-            front=front,
-            landmarks=landmark or (),
-            length=length,
-            ends=ends,
+
+    def fit(path: Path) -> FittedScan:
+        with threadpool_limits(1):  # its matrices are small
+            return fit_scan(
+                path,
+                side=side,
+                unit=unit,
+                up=up,
+                front=front,
+                landmarks=landmark or (),
+                length=length,
+                ends=ends,
+            )
+
+    def predict(fitted: FittedScan) -> Prediction:
+        return predict_pressure(
+            fitted, choice, reduced, (mesh or "coarse") if solve else None, target
         )
-    told = predict_pressure(fitted, choice, reduced, (mesh or "coarse") if solve else None, target)
+
+    if scan.is_dir():
+        _predict_folder(scan, fit, predict, table_file or Path("pressures.csv"), html)
+        return
+    if table_file is not None:
+        raise ScanError(f"--csv {table_file} is for a folder of scans, and {scan} is none")
+    told = predict(fit(scan))
     if html is not None:
         _write(html, person_page(told))
     if as_json:
@@ -175,6 +198,29 @@ def predict_verb(
 
 
 app.command("plan")(plan_verb)
+
+
+def _predict_folder(
+    folder: Path,
+    fit: Callable[[Path], FittedScan],
+    predict: Callable[[FittedScan], Prediction],
+    out: Path,
+    html: Path | None,
+) -> None:
+    """A row a scan in `out`; what cannot be answered is told there and on standard error."""
+    if html is not None:
+        raise ScanError(f"--html {html} is for one scan; leave it out for the folder {folder}")
+    reachable(out)
+    done = write_table(out, _told_on_the_way(rows_of(scans_in(folder), fit, predict)))
+    good = sum(row["status"] == "ok" for row in done)
+    print(f"{good} of {len(done)} scans answered; table: {out}")
+
+
+def _told_on_the_way(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    for row in rows:
+        words = f"{row['pressure_b1']:.1f} mmHg" if row["status"] == "ok" else row["message"]
+        print(f"{row['file']}: {words}", file=sys.stderr)
+        yield row
 
 
 @app.command("build-cohort")

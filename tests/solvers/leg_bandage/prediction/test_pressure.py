@@ -1,5 +1,6 @@
 """From a scan to a pressure: against a cheap solver whose answer is known everywhere."""
 
+import csv
 import json
 import re
 import shutil
@@ -397,6 +398,29 @@ def test_command_for_people_and_scripts(command, scan_file, study, told, tmp_pat
     data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.S)[1])
     assert np.shape(data["points"]) == (coloured_leg.LEVELS, coloured_leg.RAYS, 3)
     assert np.max(data["pressure"]) == pytest.approx(1.5 * told.on_modes, abs=0.06)
+
+
+def test_a_folder_is_a_table(command, scan_file, study, told, tmp_path):
+    """A row a scan by name; one that is no leg is told and costs no other row."""
+    folder, table = tmp_path / "scans", tmp_path / "out.csv"
+    folder.mkdir()
+    shutil.copy(scan_file, folder / "b.stl")
+    (folder / "a.stl").write_text("solid nothing\nendsolid nothing\n")
+    words = ("predict", folder, *WORDS, "--study", study, "--bandage", "biflex_16")
+    status, out, err = command(*words, "--stretch", 1.25, "--csv", table)
+    assert status == 0 and "1 of 2 scans answered" in out and "a.stl: " in err
+    with table.open(newline="") as stream:
+        refused, row = csv.DictReader(stream)
+    assert (refused["file"], refused["status"], refused["pressure_b1"]) == ("a.stl", "refused", "")
+    assert refused["message"] and row["status"] == "ok" and row["front"] == "given"
+    ends = [float(row[name]) for name in ("pressure_b1", "low", "high")]
+    assert ends == pytest.approx([told.value, told.low, told.high], abs=0.001)
+    point = {point.name: point for point in told.points}["C"]
+    assert float(row["C_low"]) == pytest.approx(point.low, abs=0.001)
+    status, _, err = command(*words, "--html", tmp_path / "a.html")
+    assert status == 2 and "is for one scan" in err
+    status, _, err = command("predict", scan_file, *words[2:], "--csv", table)
+    assert status == 2 and "is for a folder" in err
 
 
 def test_model_without_an_answer(command, scan_file, study, monkeypatch):
