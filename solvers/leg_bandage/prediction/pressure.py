@@ -22,10 +22,10 @@ from .along import GRADIENT, Curve, Point, curve_of, points_of
 from .bandage_choice import BandageChoice
 from .hand import OVERLAP
 from .interval import Part, joined, parts_of
-from .points import KNEE_GIRTH, KNEE_HEIGHT, ONE_LAYER, under_sensor
+from .points import KNEE_GIRTH, KNEE_HEIGHT, ONE_LAYER, RADIUS, under_sensor
 from .pose import other_shapes, pose_parts
 from .reduced import Reduced
-from .shape import Shape
+from .shape import RuleAtB1, Shape, b1_by_rules
 from .shape_correction import by_laplace_if_it_can, by_tape, shape_law
 
 
@@ -105,6 +105,11 @@ class Prediction:
         if self.solved:
             return self.solved.skin
         return Skin(*self.reduced.skin_pressure(self.inputs))
+
+    def rules(self) -> dict[str, RuleAtB1]:
+        """B1 by each rule on the leg of the shape modes, and the pressure there."""
+        shape = Shape(self.scan.scanned, self.scan.leg, self.scan.knee)
+        return b1_by_rules(shape, self.reduced, self.choice)
 
     def curve(self) -> Curve:
         """Mean and range around the leg, along it: of `skin`."""
@@ -253,6 +258,7 @@ def _notes(told: Prediction) -> Iterator[str]:
         )
     if choice.hand is None:
         yield "Stretch and overlap are taken as laid: the interval has no part for the hand."
+    yield from _about_rules(told)
     yield from _about_points(told)
     if told.solved:
         yield (
@@ -266,6 +272,21 @@ def _notes(told: Prediction) -> Iterator[str]:
         "element model is from a measured pressure: 9.7 % on the average in Chassagne et al. "
         "2018."
     )
+
+
+def _about_rules(told: Prediction) -> Iterator[str]:
+    found = told.rules()
+    heights = [one.height for one in found.values()]
+    if len(heights) > 1 and max(heights) - min(heights) > RADIUS:
+        places = " and ".join(
+            f"{one.value:.1f} mmHg {one.height:.0f} mm above the cut by the rule {name}"
+            for name, one in found.items()
+        )
+        yield (
+            f"The two rules for B1 differ by more than the sensor's radius on this leg: {places} "
+            "(field of the reduced model, corrected). The answer is by the rule girth; mark B1 on "
+            "the leg if the pressure there decides."
+        )
 
 
 def _about_points(told: Prediction) -> Iterator[str]:

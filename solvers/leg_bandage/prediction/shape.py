@@ -6,8 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from surrogate.errors import SolverError
+
 from ..geometry.basis import shipped_basis
 from ..geometry.cohort import snapshot
+from ..geometry.landmarks import RULES, b1_height
 from ..geometry.leg import Leg
 from .bandage_choice import BandageChoice
 from .points import Place, corrected, places, under_sensor
@@ -92,3 +95,31 @@ def at_b1(shape: Shape, reduced: Reduced, inputs: dict[str, float]) -> float:
     factor = shape_law().factor(laplace)
     value = float(reduced.at_b1.predict(reduced.coded(inputs))[0])
     return value if factor is None else factor * value
+
+
+def b1_by_rules(shape: Shape, reduced: Reduced, choice: BandageChoice) -> dict[str, RuleAtB1]:
+    """Height of B1 by each rule that finds one on the fitted leg, and the pressure there.
+
+    Pressures are those of the field, corrected: to compare the rules, not to replace the value.
+    """
+    inputs = reduced.inputs(shape.coordinates, choice)
+    theta, height, field = reduced.skin_pressure(inputs)
+    found = {}
+    for rule in RULES:
+        try:
+            z = b1_height(shape.fitted, rule)
+        except SolverError:
+            continue
+        place = {rule: Place(z, float(shape.scanned.girth(z)), z)}
+        read = {rule: under_sensor(theta, height, field, shape.fitted, z)}
+        value = corrected(read, shape.scanned, shape.fitted, place, place, shape_law().exponent)
+        found[rule] = RuleAtB1(z, value[rule])
+    return found
+
+
+@dataclass(frozen=True)
+class RuleAtB1:
+    """B1 by one rule: mm above the ankle cut, and mmHg there."""
+
+    height: float
+    value: float

@@ -47,6 +47,7 @@ def figures(told: Prediction) -> dict[str, Any]:
             name: dict(zip(("value", "low", "high"), place, strict=True))
             for name, place in told.outside.items()
         },
+        "b1_rules": {name: asdict(one) for name, one in told.rules().items()},
         "laplace": {**told.laplace, "tape": told.tape},
         "solved": None
         if solved is None

@@ -26,6 +26,7 @@ from surrogate_solvers.leg_bandage.prediction import (
     coloured_leg,
     interval,
     predict_pressure,
+    shape,
     shape_correction,
 )
 from surrogate_solvers.leg_bandage.prediction.page import person_page
@@ -398,6 +399,29 @@ def test_command_for_people_and_scripts(command, scan_file, study, told, tmp_pat
     data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.S)[1])
     assert np.shape(data["points"]) == (coloured_leg.LEVELS, coloured_leg.RAYS, 3)
     assert np.max(data["pressure"]) == pytest.approx(1.5 * told.on_modes, abs=0.06)
+
+
+def test_rules_for_b1_that_disagree_are_told(told, monkeypatch):
+    """Both heights as the rules have them; a note with both pressures beyond 25 mm, none below."""
+    found = told.rules()
+    for name, one in found.items():
+        assert one.height == b1_height(told.scan.leg, name)
+    here = 1.45 * (1 - found["girth"].height / told.scan.length / 2)  # of the cheap field
+    assert found["girth"].value == pytest.approx(here * told.value, rel=0.04)
+    girth = found["girth"].height
+
+    def notes(away):
+        monkeypatch.setattr(
+            shape,
+            "b1_height",
+            lambda leg, rule="girth": girth + (away if rule == "profile" else 0),
+        )
+        return [note for note in told.notes if "two rules for B1" in note]
+
+    assert not notes(24.0)
+    (note,) = notes(40.0)
+    assert f"{girth:.0f} mm above" in note and f"{girth + 40:.0f} mm above" in note
+    assert note.count("mmHg") == 2
 
 
 def test_a_folder_is_a_table(command, scan_file, study, told, tmp_path):
