@@ -18,6 +18,8 @@ at the RMSE of co-kriging are interpolated in the logarithms. Medians over seeds
     currin    12 + 60              180   0.100, 0.139               394 s    54 %
     park       8 + 40              120   0.137, 0.173               144 s    17 %
     park      16 + 80              240   0.056, 0.060               178 s   -35 %
+    borehole  12 + 60              180   1.27, 0.92                 505 s    64 %
+    borehole  20 + 100             300   0.50, 0.34                 918 s    67 %
     bandage    8 + 32              685   1.31, 1.35 mmHg            950 s    28 %
     bandage   12 + 60             1145   1.07, 1.08 mmHg           1110 s    -3 %
     bandage   24 + 152            2603   0.33, 0.27 mmHg        over 1117 s (24 medium runs: 1.06)
