@@ -206,7 +206,7 @@ def integer_seed(seed: Seed) -> int:
     return int(np.random.default_rng(seed).integers(2**31))
 
 
-def _refits(learnt: Learnt, size: int, seed: Seed) -> tuple[Iterator[Regressor], str]:
+def refits(learnt: Learnt, size: int, seed: Seed) -> tuple[Iterator[Regressor], str]:
     """Refitted estimators, and in words how they were drawn."""
     generator = np.random.default_rng(seed)
     freedom = getattr(learnt.estimator, "interval_freedom", None)
@@ -290,7 +290,7 @@ def _radii(
         return [np.zeros_like(part) for part in fitted], "no draws"
     moves, how = _posterior(learnt.estimator, measure, draws, seed), "posterior draws"
     if moves is None:
-        estimators, how = _refits(learnt, draws, seed)
+        estimators, how = refits(learnt, draws, seed)
         moves = [_moved(measure.of(estimator), fitted) for estimator in estimators]
     if len(moves) < max(2, draws // 2):
         how = how if how.startswith("unknown") else f"unknown: {how} failed on these runs"
