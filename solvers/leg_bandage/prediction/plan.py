@@ -226,7 +226,7 @@ def _missed(told: Prediction, shape: np.ndarray, surrogate: np.ndarray) -> np.nd
     """Factors (n,): what validation legs were missed by, either way, and the surrogate's error."""
     law = shape_law()
     sizes = law.missed if told.factor is None else law.corrected
-    away = np.quantile(sizes, np.abs(2 * shape - 1)) * np.sign(shape - 0.5)
+    away = np.quantile(sizes, np.abs(2 * shape - 1)) * np.sign(shape - 0.5) * told.scan.widening
     part = next(part for part in told.parts if part.name == "surrogate")
     spread = (part.high - part.low) / 2 / 1.96 / told.value
     return np.asarray((1 + away) * (1 + spread * ndtri(surrogate)))
