@@ -64,6 +64,8 @@ FINE_OF_LARGE = 1e-7
 #: Of many outputs those that hold this share of the variance, and at least so many, are searched
 #: for one by one, of the fit and of a refit; the others take the most probable lengths seen.
 LEADING, LEADING_AGAIN = (0.98, 20), (0.9, 5)
+#: Deviations of standardised outputs below this are rounding, as where the trend is exact.
+ROUNDING = 1e-10
 
 
 class GaussianProcess(FittedProcess):
@@ -291,7 +293,7 @@ class GaussianProcess(FittedProcess):
 
 def _widening(values: Array, mean: Array, std: Array) -> float:
     """Factor of the deviations of values (n,) from what runs without them predict."""
-    z = ((values - mean) / np.maximum(std, 1e-150))[np.isfinite(mean)]
+    z = ((values - mean) / np.maximum(std, ROUNDING))[np.isfinite(mean)]
     n = len(z)
     return max(1.0, math.sqrt(float(z @ z) / n * (n + 1) / (n - 1))) if n > 1 else 1.0
 

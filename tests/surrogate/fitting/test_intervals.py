@@ -76,3 +76,16 @@ def test_intervals_of_a_regressor_without_deviations_are_mapies():
     np.testing.assert_allclose(
         np.array(ours.interval(new)), theirs.predict_interval(new)[1][:, :, 0].T, rtol=1e-10
     )
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-9])
+def test_an_exact_trend_leaves_deviations_of_rounding_only(noise):
+    """A plane under a linear trend: nothing is left out but rounding, which widens nothing."""
+    x = np.random.default_rng(0).uniform(-1, 1, (30, 2))
+    y = x @ [1.0, 2.0] + noise * np.sin(9.0 * x[:, 0])
+    process = GaussianProcess(trend="linear").fit(x, y)
+    at = np.random.default_rng(1).uniform(-1, 1, (200, 2))
+    mean, std = process.predict(at, return_std=True)
+    drawn = np.array([draw.predict(at) for draw in process.posterior_draws(5, seed=0)])
+    assert std.max() < 1e-6
+    assert np.abs(drawn - mean).max() < 1e-5
