@@ -17,8 +17,8 @@ since Q2 is an estimate): where left-out runs are met to 1e-7, so are the indice
 Neither part alone is honest. On 12 random designs of 60 to 75 runs of the borehole and piston
 functions, 95 % intervals from draws alone cover 45 to 95 % of the true indices and from the
 missed variance alone 36 to 67 %; together 93 to 99 % for polynomials and forests, 98 %
-(piston) and 90 % (borehole) for Gaussian processes, whose lengths are drawn as well; with the
-fitted lengths taken as known 95 % and 86 % (`benchmarks/sensitivity.py surrogate`). Kinds of draws:
+(piston) and 90 % (borehole) for Gaussian processes, whose lengths are drawn as well
+(`benchmarks/sensitivity.py surrogate`). Kinds of draws:
 
 posterior draws  estimators with `posterior_draws(size, seed)`, or scikit-learn's `sample_y`
                  (Le Gratiet, Cannamela and Iooss 2014, doi 10.1137/130926869)
