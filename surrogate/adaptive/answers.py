@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.adaptive.aim import Review
+from surrogate.adaptive.aim import PROBABILITY, Aim, Review
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.space.space import Space
 
@@ -60,7 +61,14 @@ class Answers:
         )
 
 
-def processes(space: Space, answers: Answers, review: Review) -> dict[str, GaussianProcess]:
+def process_for(aim: Aim, space: Space | None = None) -> GaussianProcess:
+    """The process that learns for an aim; rare events lie at the far ends of unbounded inputs."""
+    return GaussianProcess(space=space, normal_scores=aim.kind == PROBABILITY)
+
+
+def processes(
+    aim: Aim, space: Space, answers: Answers, review: Review
+) -> dict[str, GaussianProcess]:
     """A process of each output that the review has lengths of, given the answers.
 
     Runs under way are believed to answer what is predicted: kriging believer (Ginsbourger, Le
@@ -68,24 +76,25 @@ def processes(space: Space, answers: Answers, review: Review) -> dict[str, Gauss
     The variance of the process is that of the runs that have an answer.
     """
     found = {}
+    unfitted = process_for(aim, space)
     for output, lengths in review.lengths.items():
         logs = np.array(lengths)
         X, y = answers.known(output)
-        one = _conditioned(space, X, y, logs)
+        one = _conditioned(unfitted, X, y, logs)
         waiting = answers.under_way
         if len(waiting):
             variance = one.variance_
             believed = np.append(y, one.predict(waiting))
-            one = _conditioned(space, np.vstack([X, waiting]), believed, logs)
+            one = _conditioned(unfitted, np.vstack([X, waiting]), believed, logs)
             one.variance_ = variance
         found[output] = one
     return found
 
 
-def _conditioned(space: Space, X: Array, y: Array, logs: Array) -> GaussianProcess:
+def _conditioned(unfitted: GaussianProcess, X: Array, y: Array, logs: Array) -> GaussianProcess:
     for times in range(TIMES):
         try:
-            return GaussianProcess(space=space).condition(X, y, logs)
+            return copy(unfitted).condition(X, y, logs)
         except np.linalg.LinAlgError:
             if times == TIMES - 1:
                 raise

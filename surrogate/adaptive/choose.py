@@ -7,7 +7,8 @@ import zlib
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.adaptive.aim import Review, Rule
+from surrogate.adaptive import rare
+from surrogate.adaptive.aim import PROBABILITY, Review, Rule
 from surrogate.adaptive.answers import Answers, processes
 from surrogate.adaptive.candidates import LEADING, STEPS, allowed, around, candidates, farthest
 from surrogate.adaptive.worth import Worth
@@ -27,10 +28,13 @@ def choose(rule: Rule, space: Space, answers: Answers, review: Review, count: in
     for _ in range(count):
         now = answers.with_points(chosen)
         seed = _seed(rule, len(now.coded))
+        if near := _near_the_limit(rule, space, now, review, seed):
+            chosen = np.vstack([chosen, *near])
+            continue
         points = candidates(space, now.coded, now.failed, seed=seed)
         if not len(points):
             break
-        ready = processes(space, now, review)
+        ready = processes(rule.aim, space, now, review)
         if any(process.scale_ > 0.0 for process in ready.values()):
             worth = Worth(rule.aim, space, ready, rule.seed)
             one, _ = worthiest(worth, space, now, points, seed)
@@ -38,6 +42,23 @@ def choose(rule: Rule, space: Space, answers: Answers, review: Review, count: in
             one = points[farthest(space, points, now.coded)]
         chosen = np.vstack([chosen, one])
     return chosen
+
+
+def _near_the_limit(
+    rule: Rule, space: Space, answers: Answers, review: Review, seed: int
+) -> list[Array]:
+    """The point (1, d) that tells most of a probability; none where others have to do.
+
+    Those are the aims but this one, spaces with constraints, and answers that are equal so far or
+    that nothing fits.
+    """
+    if rule.aim.kind != PROBABILITY or space.region is not None or not review.lengths:
+        return []
+    (process,) = processes(rule.aim, space, answers, review).values()
+    if not process.scale_ > 0.0:
+        return []
+    found = rare.telling(rule.aim, space, process, answers, seed)
+    return [found] if len(found) else []
 
 
 def worthiest(

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.adaptive import rare
 from surrogate.adaptive.aim import (
     ACCURACY,
     INDEX_WIDTH,
@@ -78,6 +79,8 @@ def _stalled(rule: Rule, reviews: Sequence[Review], patience: int) -> bool:
 
 def review(rule: Rule, space: Space, answers: Answers) -> Review:
     """Lengths from the answers so far, and the aim's figure."""
+    if rule.aim.kind == PROBABILITY:
+        return rare.review(rule.aim, space, answers)
     fits = {}
     for output in rule.aim.outputs:
         X, y = answers.known(output)
@@ -104,7 +107,7 @@ def _judged(
         return np.nan, np.nan  # all answers are equal so far
     if kind == INDEX_WIDTH:
         return max(_index_width(one, space) for one in fits.values()), np.nan
-    ready = processes(space, answers, found)
+    ready = processes(rule.aim, space, answers, found)
     worth = Worth(rule.aim, space, ready, rule.seed)
     if kind == OPTIMUM:
         points = candidates(space, answers.coded, answers.failed, seed=rule.seed)
@@ -113,9 +116,7 @@ def _judged(
     (process,) = ready.values()
     mean, deviation = prediction(process, space.sample(SAMPLES, seed=rule.seed))
     away = deviations_away(mean, deviation, rule.aim.value)
-    beyond = rule.aim.sign * (mean - rule.aim.value) > 0.0
-    estimate = float(beyond.mean()) if kind == PROBABILITY else np.nan
-    return float((away < UNSURE).mean()), estimate
+    return float((away < UNSURE).mean()), np.nan
 
 
 def _lengths(one: Fit) -> tuple[float, ...]:

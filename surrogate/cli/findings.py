@@ -31,6 +31,7 @@ def page(study: Study, done: Outcome) -> Page:
         parts += _learning_lines(figures["learning"], figures["comparison"])
     for name, goal in (figures["solve"] or {}).items():
         parts.append(f"goal {name} ({goal['goal']}): {goal['sentence']}")
+    parts += [f"{name}: {one['sentence']}" for name, one in (figures["reliability"] or {}).items()]
     if figures["failures"]:
         parts.append(figures["failures"]["sentence"])
     parts += [

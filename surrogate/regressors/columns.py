@@ -14,35 +14,61 @@ same, and keeps the usual meaning of R2, F and coefficients.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtri
 
 from surrogate.space.space import Parameter, Space
 
 Array = NDArray[np.float64]
+
+#: Probabilities keep this far from 0.
+TINY = 1e-17
 
 
 @dataclass(frozen=True)
 class Column:
     """One numeric column: of parameter number `parameter`, of `level` out of `levels`.
 
-    `levels` is 0 for a numeric parameter.
+    `levels` is 0 for a numeric parameter. score: its normal score in place of its coded value.
     """
 
     parameter: int
     name: str
     level: int = 0
     levels: int = 0
+    score: bool = False
 
     def values(self, coded: Array) -> Array:
         """Column values (n,) of this parameter's coded values (n,)."""
         if not self.levels:
-            return coded
+            return normal_scores(coded) if self.score else coded
         last = self.levels - 1
         index = np.clip(np.rint((coded + 1.0) / 2.0 * last), 0, last)
         return np.asarray((index == self.level) * 1.0 - (index == 0))
+
+
+def normal_scores(coded: Array) -> Array:
+    """Phi^-1((x + 1) / 2) / 2 of coded values x of any shape: +-1 lies two deviations away.
+
+    A coded value of an unbounded parameter is a probability, in which the far ends of the law are
+    one point; the score is linear in a normal parameter, and in the logarithm of a lognormal one.
+    """
+    below = np.clip(0.5 * (1.0 + coded), TINY, 1.0)
+    above = np.clip(0.5 * (1.0 - coded), TINY, 1.0)
+    return np.asarray(0.5 * np.where(coded < 0.0, ndtri(below), -ndtri(above)))
+
+
+def scored(of: tuple[Column, ...], space: Space | None) -> tuple[Column, ...]:
+    """The columns, those of unbounded parameters by their normal scores."""
+    if space is None:
+        return of
+    return tuple(
+        replace(one, score=not (one.levels or space.parameters[one.parameter].bounded))
+        for one in of
+    )
 
 
 def columns_of(space: Space | None, size: int) -> tuple[Column, ...]:

@@ -29,7 +29,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from surrogate.counting import counted
 from surrogate.errors import nearest
 from surrogate.regressors import paths
-from surrogate.regressors.columns import columns_of, expand
+from surrogate.regressors.columns import columns_of, expand, scored
 from surrogate.regressors.fitted_process import FittedProcess, predicted
 from surrogate.regressors.folds import point_folds
 from surrogate.regressors.kriging import Factored, left_out_errors
@@ -77,6 +77,8 @@ class GaussianProcess(FittedProcess):
     starts  local searches for the posterior's maximum
     seed    of the starts
     space   the Space of the inputs; None for numeric inputs uniform on [-1, 1]
+    normal_scores  unbounded inputs enter by their normal scores, not by their probabilities: for
+            the far ends of a law, where a limit is rarely exceeded
 
     Fitted: what `FittedProcess` lists; by `fit` alone `folds_` (n,) and `left_out_`, standardised
     predictions (n,) of each run without its fold and their deviations. `widening_` is 1 for
@@ -93,12 +95,14 @@ class GaussianProcess(FittedProcess):
         starts: int = 3,
         seed: int = 0,
         space: Space | None = None,
+        normal_scores: bool = False,
     ) -> None:
         self.trend = trend
         self.nugget = nugget
         self.starts = starts
         self.seed = seed
         self.space = space
+        self.normal_scores = normal_scores
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
@@ -162,6 +166,8 @@ class GaussianProcess(FittedProcess):
         points, outputs = validate_data(self, X, y, y_numeric=True, ensure_min_samples=2)
         self._check()
         self.columns_ = columns_of(self.space, points.shape[1])
+        if self.normal_scores:
+            self.columns_ = scored(self.columns_, self.space)
         self.folds_ = None  # known after `fit`
         self.points_ = expand(points, self.columns_)
         self._standardise(outputs)

@@ -110,7 +110,9 @@ def parted(models: Sequence[Mapping[str, Any]]) -> tuple[dict[str, Any], list[di
 
 
 def described_columns(of: tuple[Column, ...]) -> list[dict[str, Any]]:
-    """Columns as the module's first lines describe them."""
+    """Columns as the module's first lines describe them; raises `FitError` for normal scores."""
+    if any(column.score for column in of):
+        raise FitError("a process on normal scores of unbounded inputs has no portable form")
     return [
         {"input": column.parameter, "level": column.level, "levels": column.levels}
         if column.levels

@@ -25,5 +25,10 @@ def crude(
     for start in range(0, samples, BLOCK):
         u = generator.standard_normal((min(BLOCK, samples - start), state.size))
         failures += int((state.g(u) <= 0.0).sum())
+    return of_count(failures, samples, confidence)
+
+
+def of_count(failures: int, samples: int, confidence: float = 0.95) -> Estimate:
+    """The estimate when so many of the samples fail."""
     found = stats.binomtest(failures, samples).proportion_ci(confidence, method="exact")
     return Estimate("crude", failures / samples, float(found.low), float(found.high), samples)

@@ -38,10 +38,17 @@ class Population:
 
     u       (m, d)
     weight  (m,), sums to 1: a probability is the sum of the weights of its points
+    g       (m,) of the limit state that the points were found by
     """
 
     u: Array
     weight: Array
+    g: Array
+
+    @property
+    def failing(self) -> Array:
+        """Points (k, d) that fail."""
+        return np.asarray(self.u[self.g <= 0.0])
 
     def probability(self, failed: NDArray[np.bool_]) -> float:
         """Of the event that holds at the points `failed` (m,)."""

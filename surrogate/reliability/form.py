@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 STEP = 1e-4
 #: Starts besides the origin, their distance from it, and the seed of their directions.
 STARTS, DISTANCE, SEED = 4, 2.0, 0
+#: Directions of a larger cosine are one; searches stay within so many deviations.
+ALIKE, FARTHEST = 0.8, 8.0
 #: How near g = 0 must be reached, as a share of |g| at the origin or its spread.
 REACHED = 1e-4
 
@@ -54,11 +56,15 @@ class Form:
         return Estimate("form", self.probability, np.nan, np.nan, self.evaluations)
 
 
-def form(state: LimitState) -> Form:
-    """The design point, by sequential quadratic programming from several starts."""
+def form(state: LimitState, failing: Array | None = None) -> Form:
+    """The design point, by sequential quadratic programming from several starts.
+
+    failing  (k, d) points that fail, if some are known: the likeliest ones in different
+             directions are starts too
+    """
     directions = np.random.default_rng(SEED).standard_normal((STARTS, state.size))
     directions *= DISTANCE / np.linalg.norm(directions, axis=1, keepdims=True)
-    starts = np.vstack([np.zeros(state.size), directions])
+    starts = np.vstack([np.zeros(state.size), directions, *_likeliest(failing)])
     values = state.g(starts)
     count = len(starts)
     scale = max(float(np.abs(values).max()), np.finfo(float).tiny)
@@ -67,12 +73,12 @@ def form(state: LimitState) -> Form:
     def g(u: Array) -> Array:
         nonlocal count
         count += 1
-        return state.g(u[None, :]) / scale
+        return state.g(_near(u)[None, :]) / scale
 
     def gradient(u: Array) -> Array:
         nonlocal count
         count += 2 * state.size
-        ends = state.g(np.vstack([u + shifts, u - shifts])).reshape(2, -1)
+        ends = state.g(np.vstack([_near(u) + shifts, _near(u) - shifts])).reshape(2, -1)
         return np.asarray((ends[0] - ends[1]) / (2.0 * STEP * scale))
 
     best: Array | None = None
@@ -93,6 +99,24 @@ def form(state: LimitState) -> Form:
         return Form(np.full(state.size, np.nan), np.nan, count, False)
     sign = 1.0 if values[0] > 0.0 else -1.0
     return Form(best, sign * float(np.linalg.norm(best)), count, True)
+
+
+def _likeliest(failing: Array | None) -> list[Array]:
+    """Points of most density, each away in direction from those before; `STARTS` at most."""
+    chosen = list[Array]()
+    if failing is None:
+        return chosen
+    for u in failing[np.argsort((failing**2).sum(axis=1), kind="stable")]:
+        if all(u @ one < ALIKE * np.linalg.norm(u) * np.linalg.norm(one) for one in chosen):
+            chosen.append(u)
+        if len(chosen) == STARTS:
+            break
+    return chosen
+
+
+def _near(u: Array) -> Array:
+    """The point, or the nearest within `FARTHEST`: a step along no gradient has no length."""
+    return np.clip(np.nan_to_num(u), -FARTHEST, FARTHEST)
 
 
 def _half_square(u: Array) -> float:

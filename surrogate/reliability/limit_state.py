@@ -49,9 +49,16 @@ def limit_state(
     predictor: Predictor, space: Space, limit: float, *, above: bool = True
 ) -> LimitState:
     """Failure where the prediction is above (or below) the limit."""
+    return of_function(predictor.predict, space, limit, above=above)
+
+
+def of_function(
+    function: Callable[[Array], Array], space: Space, limit: float, *, above: bool = True
+) -> LimitState:
+    """Failure where a function of coded points (m, d) is above (or below) the limit."""
     sign = 1.0 if above else -1.0
 
     def g(u: Array) -> Array:
-        return np.asarray(sign * (limit - predictor.predict(coded_of(space, u))))
+        return np.asarray(sign * (limit - function(coded_of(space, u))))
 
     return LimitState(space.size, g)

@@ -50,7 +50,7 @@ def chain(state: LimitState, samples: int, generator: np.random.Generator) -> Ch
     g = state.g(u)
     seeds = max(1, round(SHARE * samples))
     reached, evaluations = 1.0, samples
-    points, weights = [], []
+    points, weights, values = [], [], []
     for _ in range(LEVELS):
         order = np.argsort(g, kind="stable")
         u, g = u[order], g[order]
@@ -59,12 +59,14 @@ def chain(state: LimitState, samples: int, generator: np.random.Generator) -> Ch
             break
         points.append(u[seeds:])
         weights.append(np.full(samples - seeds, reached / samples))
+        values.append(g[seeds:])
         reached *= seeds / samples
         u, g = _grown(state, u[:seeds], g[:seeds], threshold, samples, generator)
         evaluations += samples - seeds
     points.append(u)
     weights.append(np.full(len(u), reached / len(u)))
-    population = Population(np.concatenate(points), np.concatenate(weights))
+    values.append(g)
+    population = Population(*map(np.concatenate, (points, weights, values)))
     return Chain(reached * float((g <= 0.0).mean()), population, evaluations)
 
 

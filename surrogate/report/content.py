@@ -30,6 +30,7 @@ MOST_RUNS = 1000
 if TYPE_CHECKING:
     from surrogate.calibration.posterior import Posterior
     from surrogate.fitting.failures import FailingRegion
+    from surrogate.reliability.solution import Reliability
     from surrogate.solving.solution import Solution
 
 
@@ -66,6 +67,7 @@ class Content:
     adaptive        design whose points followed from answers -> how it went on
     learning        dataset over (surrogate, output, size)
     solve           goal -> inputs that reach it
+    reliability     failure -> how probable it is
     calibration     what measurements say about inputs
     validation      dataset over (model, output, case)
     aliasing        design -> aliasing of a two-level fraction
@@ -89,6 +91,7 @@ class Content:
     adaptive: Mapping[str, Grown] = field(default_factory=dict)
     learning: xr.Dataset | None = None
     solve: Mapping[str, Solution] = field(default_factory=dict)
+    reliability: Mapping[str, Reliability] = field(default_factory=dict)
     calibration: Posterior | None = None
     validation: xr.Dataset | None = None
     aliasing: Mapping[str, Aliasing] = field(default_factory=dict)

@@ -27,6 +27,7 @@ from surrogate.report.sections import (
     learning,
     parameters,
     provenance,
+    reliability,
     runs,
     screening,
     solve,
@@ -119,6 +120,8 @@ def _sections(content: Content) -> Iterator[Section]:
         yield learning.section(content, content.learning)
     if content.solve:
         yield solve.section(content)
+    if content.reliability:
+        yield reliability.section(content)
     if content.calibration is not None:
         yield calibration.section(content.calibration)
     yield parameters.section(content)

@@ -19,6 +19,7 @@ from surrogate.stages import (
     fits,
     learning,
     portable,
+    reliability,
     sensitivity,
     solve,
 )
@@ -181,6 +182,15 @@ STAGES = (
         kept=False,
     ),
     Stage(
+        "reliability",
+        reads=("limits", "space"),
+        needs=("fits", "comparison"),
+        jobs=reliability.jobs,
+        does=reliability.gather,
+        files=_netcdf("reliability.nc", reliability.tree),
+        figures=reliability.figures,
+    ),
+    Stage(
         "posterior",
         reads=("measured",),
         needs=("fits", "comparison"),
@@ -221,6 +231,7 @@ STAGES = (
             "adaptive",
             "learning",
             "solve",
+            "reliability",
             "calibration",
             "reduced_study",
             "validation",

@@ -100,6 +100,7 @@ def parts_of(study: Study) -> dict[str, Part]:
         "rules": part(study.rules, more=repr(study.rules)),
         "nominal": part(study.nominal, more=study.nominal),
         "problems": part(study.problems, more=repr(study.problems)),
+        "limits": part(study.limits, more=repr(study.limits)),
         "measured": _measured(study),
         "validation_rule": part(rule, "validation", more=models),
         "fixed": part(fixed, more=repr(fixed)),

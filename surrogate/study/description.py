@@ -16,6 +16,7 @@ from surrogate.designs.aliasing import Aliasing
 from surrogate.designs.design import Design
 from surrogate.execution.backend import cores
 from surrogate.execution.shared.work import Shared
+from surrogate.reliability.problem import Failure
 from surrogate.runs.assembly import physical_columns
 from surrogate.runs.identity import SolverSpec, run_inputs
 from surrogate.runs.stored import StoredRuns
@@ -56,6 +57,7 @@ class Description(Carded):
     screening_rule: ScreeningRule | None
     learning_rule: LearningRule | None
     problems: Mapping[str, Problem]
+    limits: Mapping[str, Failure]
     execution: ExecutionPart
     stored_runs: tuple[StoredRuns, ...]
     validation: Validation | None

@@ -24,11 +24,20 @@ from surrogate.study.parts.methods import (
     SurrogatePart,
     ValidationPart,
 )
+from surrogate.study.parts.reliability import ReliabilityPart
 from surrogate.study.parts.solve import DesirePart, SolvePart, TargetPart
 from surrogate.study.parts.study import KINDS_OF_DESIGN, StudyPart
 
 #: Sections whose entries are checked one by one: a broken entry leaves the others standing.
-_SECTIONS = ("parameters", "constants", "levels", "designs", "surrogates", "solve")
+_SECTIONS = (
+    "parameters",
+    "constants",
+    "levels",
+    "designs",
+    "surrogates",
+    "solve",
+    "reliability",
+)
 _STAND_INS = {"study": "unnamed", "solver": "unnamed", "parameters": {}, "designs": {}}
 #: Keys that a study without data needs.
 _NEEDED = ("solver", "parameters", "designs")
@@ -221,6 +230,7 @@ def _keys_at(path: KeyPath) -> list[str]:
         "screening": ScreeningPart,
         "learning": LearningPart,
         "solve": SolvePart,
+        "reliability": ReliabilityPart,
         "validation": ValidationPart,
         "credibility": CredibilityPart,
         "execution": ExecutionPart,

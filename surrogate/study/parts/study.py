@@ -22,6 +22,7 @@ from surrogate.study.parts.methods import (
     ValidationPart,
 )
 from surrogate.study.parts.part import Part
+from surrogate.study.parts.reliability import ReliabilityPart
 from surrogate.study.parts.solve import SolvePart
 from surrogate.study.parts.values import Name, Texts
 
@@ -148,6 +149,11 @@ class StudyPart(Part):
         {},
         description="Goals, each with a name: which inputs reach it, and how surely.",
         examples=[{"forty": {"target": {"pressure_b1": "40 mmHg"}, "probability": 0.9}}],
+    )
+    reliability: dict[Name, ReliabilityPart] = Field(
+        {},
+        description="Failures, each with a name: how probable it is that an output passes a limit.",
+        examples=[{"burst": {"output": "stress", "above": "250 MPa"}}],
     )
     validation: ValidationPart | None = Field(
         None,

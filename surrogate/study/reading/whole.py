@@ -22,6 +22,7 @@ from surrogate.study.reading.levels import check_nested, levels_of
 from surrogate.study.reading.methods import check_screening, sensitivity_of, surrogates_of
 from surrogate.study.reading.mistakes import Reading, sentences
 from surrogate.study.reading.parameters import space_of
+from surrogate.study.reading.reliability import limits_of
 from surrogate.study.reading.rows import rows_of, with_dependence
 from surrogate.study.reading.runs import stored_of
 from surrogate.study.reading.solver import outputs_of, solver_of
@@ -84,6 +85,7 @@ def fields_of(
     fields["problems"] = (
         problems_of(notes, solver, space, fields["outputs"], constants) if solver else {}
     )
+    fields["limits"] = limits_of(notes, solver, space, fields["outputs"]) if solver else {}
     fields["validation"] = (
         validation_of(notes, solver, space, fields["outputs"], fields["constants"], study_at)
         if solver

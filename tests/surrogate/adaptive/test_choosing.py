@@ -103,9 +103,9 @@ def test_what_is_believed_of_a_run_under_way_is_its_prediction():
     """The mean stays what it is everywhere, and the deviation shrinks at the run."""
     known = answers(latin_hypercube(SQUARE, runs=15, seed=3))
     found = review(rule(AIMS[0]), SQUARE, known)
-    (before,) = processes(SQUARE, known, found).values()
+    (before,) = processes(AIMS[0], SQUARE, known, found).values()
     point = np.array([[0.37, -0.61]])
-    (after,) = processes(SQUARE, known.with_points(point), found).values()
+    (after,) = processes(AIMS[0], SQUARE, known.with_points(point), found).values()
     X = SQUARE.sample(50, seed=1)
     assert after.predict(X) == pytest.approx(before.predict(X), abs=1e-5)
     assert after.variance_ == before.variance_

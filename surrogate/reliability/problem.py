@@ -1,0 +1,31 @@
+"""What is asked: how probable it is that an output passes a limit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+AUTO = "auto"
+METHODS = (AUTO, "crude", "importance", "subset")
+
+
+@dataclass(frozen=True)
+class Failure:
+    """An output on the wrong side of a limit.
+
+    sign       1: it fails above the limit, -1: below
+    surrogate  a surrogate's name, or best of the output
+    method     one of `METHODS`
+    """
+
+    name: str
+    output: str
+    limit: float
+    sign: Literal[1, -1] = 1
+    unit: str = ""
+    surrogate: str = "best"
+    method: str = AUTO
+
+    def __str__(self) -> str:
+        side = "above" if self.sign > 0 else "below"
+        return f"{self.output} {side} {self.limit:g} {self.unit}".rstrip()
