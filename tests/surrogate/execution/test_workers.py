@@ -5,7 +5,6 @@ import pickle
 import signal
 import subprocess
 import sys
-import tempfile
 import textwrap
 import time
 from multiprocessing import Pipe
@@ -66,16 +65,6 @@ def sleepers(place):
         except OSError:
             continue
     return {pid for pid in found if not ended(pid)}
-
-
-@pytest.fixture
-def temporary(tmp_path, monkeypatch):
-    """The folder of temporary files, empty."""
-    place = tmp_path / "tmp"
-    place.mkdir()
-    monkeypatch.setenv("TMPDIR", str(place))
-    monkeypatch.setattr(tempfile, "tempdir", None)
-    return place
 
 
 @pytest.fixture
