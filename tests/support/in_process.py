@@ -6,8 +6,6 @@ import subprocess
 import sys
 from unittest.mock import patch
 
-import pytest
-
 from surrogate.cli.verbs import main
 
 
@@ -18,15 +16,18 @@ def command(*words, cwd, check=None):
     in any Python program: where a file of a solver changes, a new process has to look.
     """
     argv, out, err = ["surrogate", *map(str, words)], io.StringIO(), io.StringIO()
+    status = 0
     with (
         contextlib.chdir(cwd),
         patch.object(sys, "argv", argv),
         contextlib.redirect_stdout(out),
         contextlib.redirect_stderr(err),
-        pytest.raises(SystemExit) as stop,
     ):
-        main()
-    done = subprocess.CompletedProcess(argv, stop.value.code or 0, out.getvalue(), err.getvalue())
+        try:
+            main()
+        except SystemExit as stop:
+            status = stop.code or 0
+    done = subprocess.CompletedProcess(argv, status, out.getvalue(), err.getvalue())
     assert "Traceback" not in done.stderr and "internal error" not in done.stderr, done.stderr
     if check is not None:
         assert done.returncode == check, done.stdout + done.stderr

@@ -1,14 +1,15 @@
 """Nothing that is printed is wider than the terminal, and nothing of it is lost."""
 
 import re
-import sys
+from functools import cache
 
+import in_process
 import pytest
 import typer
 
 from surrogate.cli import browsing
 from surrogate.cli.table import Table, wrapped
-from surrogate.cli.verbs import app, main
+from surrogate.cli.verbs import app
 
 LONG = "a_name_that_somebody_liked_to_be_as_clear_as_it_can_be"
 STUDY = f"""\
@@ -60,38 +61,25 @@ def place(tmp_path_factory):
     (folder / "wide.yaml").write_text(STUDY)
     (folder / "cases.csv").write_text("rw,L,Kw,flow\n0.1,1400,10000,70\n0.12,1300,11000,110\n")
     (folder / "measured.csv").write_text("rw,L,flow\n0.1,1400,70\n0.12,1300,110\n")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        patch.setattr(sys, "argv", ["surrogate", "run", "wide.yaml", "--quiet"])
-        with pytest.raises(SystemExit) as ended:
-            main()
-    assert not ended.value.code
+    in_process.command("run", "wide.yaml", "--quiet", cwd=folder, check=0)
     return folder
 
 
-@pytest.fixture
-def command(monkeypatch, capsys, place):
-    monkeypatch.chdir(place)
-    shown = []
-    monkeypatch.setattr(browsing, "browse", lambda path: bool(shown.append(path)) or True)
+@pytest.fixture(scope="module")
+def printed(place):
+    """What words print at a width (None: there is no terminal), carried out once each."""
 
-    def carry_out(*words, columns=None):
-        if columns is None:
-            monkeypatch.delenv("COLUMNS", raising=False)
-        else:
-            monkeypatch.setenv("COLUMNS", str(columns))
+    @cache
+    def carried_out(*words, columns=None):
         (place / "mine.yaml").unlink(missing_ok=True)
-        monkeypatch.setattr(sys, "argv", ["surrogate", *map(str, words)])
-        status = None
-        try:
-            main()
-        except SystemExit as ended:
-            status = ended.code
-        printed = capsys.readouterr()
-        assert not status, printed.err
-        return printed
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(browsing, "browse", lambda path: True)
+            patch.delenv("COLUMNS", raising=False)
+            if columns is not None:
+                patch.setenv("COLUMNS", str(columns))
+            return in_process.command(*words, cwd=place, check=0)
 
-    return carry_out
+    return carried_out
 
 
 def test_every_verb_is_looked_at_and_takes_quiet():
@@ -103,28 +91,28 @@ def test_every_verb_is_looked_at_and_takes_quiet():
 
 
 @pytest.mark.parametrize("verb", VERBS)
-def test_no_line_is_wider_than_the_terminal(command, verb):
+def test_no_line_is_wider_than_the_terminal(printed, verb):
     """80 columns where there is none."""
     for columns in (None, 50):
-        printed = command(*VERBS[verb][0], columns=columns)
-        assert printed.out
-        for line in (printed.out + printed.err).splitlines():
+        done = printed(*VERBS[verb][0], columns=columns)
+        assert done.stdout
+        for line in (done.stdout + done.stderr).splitlines():
             assert len(line.rstrip()) <= (columns or 80), line
 
 
 @pytest.mark.parametrize("verb", ["check", "run", "validate"])
-def test_nothing_is_cut(command, verb):
+def test_nothing_is_cut(printed, verb):
     """Names in a narrow terminal are those of a wide one, put together again."""
-    wide, narrow = (command(*VERBS[verb][0], columns=n).out for n in (500, 80))
+    wide, narrow = (printed(*VERBS[verb][0], columns=n).stdout for n in (500, None))
     assert LONG in wide
     assert set(re.findall(r"\w+", wide)) <= set(re.findall(r"\w+", narrow))
 
 
 @pytest.mark.parametrize("verb", [verb for verb, (_, text) in VERBS.items() if text is not None])
-def test_quiet(command, verb):
+def test_quiet(printed, verb):
     words, text = VERBS[verb]
-    printed = command(*words, "--quiet")
-    assert printed.err == "" and bool(printed.out) == text
+    done = printed(*words, "--quiet")
+    assert done.stderr == "" and bool(done.stdout) == text
 
 
 def test_a_table_breaks_into_blocks_and_repeats_the_names():
@@ -145,13 +133,10 @@ def test_text_wraps_between_words():
     assert wrapped("", 4) == [""]
 
 
-def test_open_says_how_to_make_the_report_and_when_it_is_old(command, place, monkeypatch, capsys):
-    assert command("open", "wide.yaml").out == "results/wide/report.html\n"
+def test_open_says_how_to_make_the_report_and_when_it_is_old(printed, place):
+    assert printed("open", "wide.yaml").stdout == "results/wide/report.html\n"
     text = STUDY.replace("freeze_below: 0.02", "freeze_below: 0.2")
     (place / "changed.yaml").write_text(text)
-    assert "older" in command("open", "changed.yaml").err
-    monkeypatch.setattr(sys, "argv", ["surrogate", "open", "wide.yaml", "--results", "none"])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 1
-    assert "`surrogate run wide.yaml` makes it" in capsys.readouterr().err
+    assert "older" in printed("open", "changed.yaml").stderr
+    unmade = in_process.command("open", "wide.yaml", "--results", "none", cwd=place, check=1)
+    assert "`surrogate run wide.yaml` makes it" in unmade.stderr
