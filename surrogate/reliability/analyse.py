@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 #: Points of a level of the population that draws the tail and starts the search of FORM.
 POINTS = 4000
-#: Places of the curve of the tail.
-PLACES = 60
+#: Places of the curve down to the tail, points beyond the last one, and how near to 1 it goes.
+PLACES, FEWEST, FREQUENT = 50, 10, 0.01
 
 
 def analyse(
@@ -112,6 +112,7 @@ def _tail(problem: Failure, points: Population) -> tuple[Array, Array]:
     """Values of the output, and the probability of passing each: the weights beyond it."""
     order = np.argsort(points.g, kind="stable")
     beyond = np.cumsum(points.weight[order])
-    wanted = np.geomspace(beyond[0], 1.0, PLACES)
+    rare = np.geomspace(beyond[min(FEWEST, len(order)) - 1], 0.5, PLACES)
+    wanted = np.concatenate([rare, 1.0 - rare[::-1][rare[::-1] > FREQUENT]])
     places = np.unique(np.minimum(np.searchsorted(beyond, wanted), len(order) - 1))
     return problem.limit - problem.sign * points.g[order][places], beyond[places]

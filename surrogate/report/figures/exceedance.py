@@ -47,8 +47,11 @@ def exceedance_plot(found: Reliability, label: str) -> Plot:
         HEIGHT,
         *marks,
         title=f"{problem.name}: probability of {problem.output} {side} a value",
-        says=f"{found}.",
-        numbers=(column(label, values), column(f"probability {side}", shares)),
+        says=f"{str(found)[:1].upper()}{str(found)[1:]}.",
+        numbers=(
+            column(label, values),
+            column(f"probability {side}", [digits.figure(one) for one in shares]),
+        ),
     )
 
 
@@ -56,4 +59,4 @@ def _ticks(panel: Panel) -> Ticks:
     """Powers of ten, as many as there is room for."""
     powers = range(math.ceil(panel.y.low), math.floor(panel.y.high) + 1)
     step = max(1, math.ceil(len(powers) / MOST_TICKS))
-    return [(float(power), digits.number(10.0**power)) for power in powers[::-1][::step]]
+    return [(float(power), digits.figure(10.0**power, 1)) for power in powers[::-1][::step]]

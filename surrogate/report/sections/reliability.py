@@ -32,7 +32,8 @@ def section(content: Content) -> Section:
 
 def _failure(content: Content, found: Reliability) -> list[Block]:
     label = digits.labelled(found.problem.output, found.problem.unit)
-    said = str(found)
+    unit = found.problem.unit
+    said = str(found).replace(unit, digits.unit(unit)) if unit else str(found)
     caption = (
         "Probability that the output passes a value, by the surrogate. Line: the limit. "
         "Disc: the answer with its 95 % interval."
