@@ -83,8 +83,10 @@ class Reliability:
         if not self.probability > 0.0:
             return f"probability of {self.problem}: below {self.high:.2g}; no sample fails"
         said = f"probability of {self.problem}: {self.probability:.3g} {interval}"
-        said += f", reliability index {self.estimate.beta:.3g}, by {_HOW[self.estimate.method]} of"
-        return f"{said} {self.surrogate}; most of the interval is {self._cause}"
+        if self.probability < 1.0:
+            said += f", reliability index {self.estimate.beta:.3g}"
+        said += f", by {_HOW[self.estimate.method]} of {self.surrogate}"
+        return f"{said}; most of the interval is {self._cause}"
 
     @property
     def _cause(self) -> str:
