@@ -2,10 +2,11 @@
 
     python benchmarks/reliability.py [PROBLEM ...] [--runs 100] [--repeats 3]
 
-The problems are those of Moustapha, Marelli and Sudret 2022, "Active learning for structural
-reliability: survey, general framework and benchmark", Structural Safety 96, 102174, whose formula
-is known here, and others of the TNO black-box challenge (Rozsas and Slobbe 2019,
-rprepo.readthedocs.io); formulas as otbenchmark and UQLab state them. Failure is g <= 0.
+The problems are those of the TNO black-box challenge (Rozsas and Slobbe 2019,
+rprepo.readthedocs.io) and of the literature, from which Moustapha, Marelli and Sudret 2022
+("Active learning for structural reliability: survey, general framework and benchmark", Structural
+Safety 96, 102174) took their 20; formulas as otbenchmark and UQLab state them. A star marks those
+that we believe to be among the 20, without the paper at hand. Failure is g <= 0.
 
 One setting for all: a Latin hypercube of two runs a parameter (10 to 50), the adaptive design
 with the aim `probability` up to 100 runs, and a Gaussian process on normal scores. The error is
@@ -50,7 +51,7 @@ LIMIT = Failure("limit", "g", 0.0, sign=-1)
 class Problem:
     """A limit state of physical inputs (d, m) -> (m,), and the probability in the literature.
 
-    listed  whether Moustapha, Marelli and Sudret 2022 have it among their 20
+    listed  whether Moustapha, Marelli and Sudret 2022 have it among their 20, as far as known
     """
 
     laws: tuple[Distribution, ...]
