@@ -58,7 +58,7 @@ def _axes(content: Content, found: Canonical, unit: str) -> Table:
     names = content.space.names
     rows = [
         (
-            Cell(f"axis {k + 1}"),
+            Cell(str(k + 1)),
             Cell(digits.with_half(found.values[k], found.errors[k]), float(found.values[k])),
             *(Cell(digits.fixed(part, 2), float(part)) for part in found.axes[:, k]),
         )
@@ -68,7 +68,7 @@ def _axes(content: Content, found: Canonical, unit: str) -> Table:
         "Axes of the quadratic: curvature along each with its interval, and the axis in coded "
         "parameters.",
         (
-            Head("", numeric=False),
+            Head("axis", numeric=False),
             Head(digits.labelled("eigenvalue", unit)),
             *(Head(name) for name in names),
         ),
@@ -95,7 +95,7 @@ def _ridge(content: Content, found: Canonical, constant: float, output: str) -> 
         "Ridge analysis: where the polynomial is largest and smallest at a distance from the "
         "centre of the ranges, in coded units.",
         (
-            Head("", numeric=False),
+            Head("value", numeric=False),
             Head("distance"),
             Head(digits.labelled(output, content.unit(output))),
             *(Head(name) for name in units),
