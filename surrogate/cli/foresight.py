@@ -10,8 +10,8 @@ import numpy as np
 from surrogate.cli.table import Table
 from surrogate.designs.design import Design
 from surrogate.designs.model import MODELS, Model
-from surrogate.designs.precision import ALPHA, Precision, precision
 from surrogate.errors import StudyError
+from surrogate.fitting.precision import ALPHA, Precision, precision
 from surrogate.study.study import Study
 
 ORDERS = {1: "main effects", 2: "interactions and squares", 3: "higher terms"}

@@ -4,11 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
+import spaces
 
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
-
-LETTERS = "ABCDEFGHJKLMNOPQRSTUVWXYZ"
 
 
 @pytest.fixture(scope="session")
@@ -20,31 +19,14 @@ def reference():
 
 @pytest.fixture(scope="session")
 def cube():
-    """cube(k): k uniform parameters A, B, .. (p0, p1, .. beyond 25)."""
-
-    def build(k):
-        names = LETTERS[:k] if k <= len(LETTERS) else [f"p{i}" for i in range(k)]
-        return Space(
-            tuple(
-                Parameter(name, uniform(2.0 + i, 5.0 + 2 * i), unit="mm")
-                for i, name in enumerate(names)
-            )
-        )
-
-    return build
+    """cube(k): k uniform parameters."""
+    return spaces.cube
 
 
 @pytest.fixture(scope="session")
 def mixed():
     """Two ranges, a two-level and a three-level categorical parameter."""
-    return Space(
-        (
-            Parameter("tension", uniform(0.059, 0.137), unit="N/mm"),
-            Parameter("bandage", levels=("biflex_16", "biflex_17")),
-            Parameter("posture", levels=("lying", "sitting", "standing")),
-            Parameter("mu", uniform(0.1, 0.3)),
-        )
-    )
+    return spaces.mixed()
 
 
 @pytest.fixture(scope="session")

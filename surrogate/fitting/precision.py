@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from scipy import special, stats
 
 from surrogate.designs.model import Model
+from surrogate.regressors.least_squares import LeastSquares, least_squares
 
 Array = NDArray[np.float64]
 
-#: Level of the t-test, and the share of a column that counts as told apart.
-ALPHA, RANK = 0.05, 1e-8
+#: Level of the t-test, and the size of a weight that is rounding.
+ALPHA, TINY = 0.05, 1e-6
 
 
 @dataclass(frozen=True)
@@ -55,45 +56,37 @@ def precision(model: Model, coded: Array, effect: float = 2.0) -> Precision:
     """
     named = np.flatnonzero(model.independent)
     terms = [model.named[j] for j in named]
+    names = [name for name, _ in terms]
     matrix = model.full(coded)[:, named]
-    kept, confounded = _told_apart(matrix, [name for name, _ in terms])
-    told = matrix[:, kept]
-    inverse = np.linalg.inv(told.T @ told)
-    error = np.sqrt(np.diag(inverse))
-    spread = ((told - told.mean(axis=0)) ** 2).sum(axis=0)
-    freedom = len(coded) - len(kept)
+    told = least_squares(matrix, np.zeros(len(coded)), names)
+    error = np.sqrt((told.inverse**2).sum(axis=1))
+    about_mean = ((matrix[:, told.kept] - matrix[:, told.kept].mean(axis=0)) ** 2).sum(axis=0)
     return Precision(
         len(coded),
-        freedom,
-        tuple(terms[j] for j in kept),
+        told.freedom,
+        tuple(term for term, kept in zip(terms, told.kept, strict=True) if kept),
         error,
-        error**2 * spread,
-        _power(effect / 2.0 / error, freedom),
-        confounded,
+        error**2 * about_mean,
+        _power(effect / 2.0 / error, told.freedom),
+        _confounded(told),
     )
 
 
-def _told_apart(matrix: Array, names: list[str]) -> tuple[list[int], tuple[str, ...]]:
-    """Columns that do not follow from those before them, and what the others are."""
-    kept: list[int] = []
-    sentences = []
-    for j, column in enumerate(matrix.T):
-        weights = np.linalg.lstsq(matrix[:, kept], column, rcond=None)[0]
-        left = column - matrix[:, kept] @ weights
-        if np.linalg.norm(left) > RANK * max(float(np.linalg.norm(column)), 1.0):
-            kept.append(j)
-            continue
-        parts = [(names[k], w) for k, w in zip(kept, weights, strict=True) if abs(w) > 1e-6]
-        sentences.append(f"{names[j]} = {_sum(parts)}")
-    return kept, tuple(sentences)
+def _confounded(told: LeastSquares) -> tuple[str, ...]:
+    """What each term is of which those before it tell everything."""
+    names = np.array(told.names)
+    parts = zip(names[~told.kept], told.alias.T, strict=True)
+    return tuple(f"{name} = {_sum(names[told.kept], weights)}" for name, weights in parts)
 
 
-def _sum(parts: list[tuple[str, float]]) -> str:
+def _sum(names: NDArray[np.str_], weights: Array) -> str:
     """`a - 0.5 b:c`."""
     said = ""
-    for name, weight in parts:
+    for name, weight in zip(names, weights, strict=True):
+        if abs(weight) <= TINY:
+            continue
         sign = ("-" if weight < 0 else "") if not said else (" - " if weight < 0 else " + ")
-        size = "" if abs(abs(weight) - 1.0) < 1e-6 else f"{abs(weight):.3g} "
+        size = "" if abs(abs(weight) - 1.0) < TINY else f"{abs(weight):.3g} "
         said += f"{sign}{size}{name}"
     return said or "0"
 

@@ -2,13 +2,26 @@
 
 import numpy as np
 import pytest
+import spaces
 from scipy import stats
 
 from surrogate.designs.fractional_factorial import fractional_factorial
 from surrogate.designs.full_factorial import full_factorial
 from surrogate.designs.latin_hypercube import latin_hypercube
 from surrogate.designs.model import Model
-from surrogate.designs.precision import precision
+from surrogate.fitting.precision import precision
+
+
+@pytest.fixture
+def cube():
+    """cube(k): k uniform parameters."""
+    return spaces.cube
+
+
+@pytest.fixture
+def mixed():
+    """Two ranges, a two-level and a three-level categorical parameter."""
+    return spaces.mixed()
 
 
 def test_an_orthogonal_design_of_two_levels(cube):
