@@ -10,9 +10,8 @@ from surrogate.errors import StudyError
 from surrogate.estimator import Array
 from surrogate.sensitivity.independence import needs_independent
 from surrogate.sensitivity.model import Analysed, Model, Seed, model, require_at_least, rests
-from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
-from surrogate.sensitivity.unit_cube import Measures, Method, measured, problem
+from surrogate.sensitivity.unit_cube import Measures, Method, even, measured, problem
 from surrogate.space.space import Space
 
 #: Step of the finite differences, in probability.
@@ -45,9 +44,7 @@ def dgsm(
     cube = problem(space)
 
     def sample(seed: int) -> Array:
-        runs = 2 ** int(np.ceil(np.log2(samples)))
-        u = next(unit_blocks(space.size, runs, runs, np.random.default_rng(seed)))
-        return _star(u, STEP).reshape(-1, space.size)
+        return _star(even(space, samples, seed), STEP).reshape(-1, space.size)
 
     def analyse(u: Array, values: Array, seed: int) -> Measures:
         # Intervals come from replicates, so SALib's bootstrap is kept as short as it goes.
@@ -84,7 +81,7 @@ def _require_derivatives(one: Model) -> None:
                 f"sensitivity method dgsm needs derivatives, and {parameter.name} "
                 f"is {kind}; use method sobol or shapley"
             )
-    u = next(unit_blocks(one.space.size, 256, 256, np.random.default_rng(0)))
+    u = even(one.space, 256, 0)
     slopes = []
     for step in (STEP, 100.0 * STEP):
         star = _star(u, step)

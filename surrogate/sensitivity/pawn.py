@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import numpy as np
+from functools import partial
+
 import xarray as xr
 from SALib.analyze import pawn as analysis
 
 from surrogate.estimator import Array
 from surrogate.sensitivity.independence import needs_independent
 from surrogate.sensitivity.model import Analysed, Seed, model, require_at_least
-from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
-from surrogate.sensitivity.unit_cube import Measures, Method, measured, problem
+from surrogate.sensitivity.unit_cube import Measures, Method, even, measured, problem
 from surrogate.space.space import Space
 
 
@@ -39,16 +39,15 @@ def pawn(
     require_at_least(8 * slices, samples=samples)
     cube = problem(space)
 
-    def sample(seed: int) -> Array:
-        runs = 2 ** int(np.ceil(np.log2(samples)))
-        return next(unit_blocks(space.size, runs, runs, np.random.default_rng(seed)))
-
     def analyse(u: Array, values: Array, seed: int) -> Measures:
         found: Measures = analysis.analyze(cube, u, values, S=slices)
         return found
 
     method = Method(
-        "pawn", sample, analyse, {name: (0.0, 1.0) for name in ("median", "mean", "maximum")}
+        "pawn",
+        partial(even, space, samples),
+        analyse,
+        {name: (0.0, 1.0) for name in ("median", "mean", "maximum")},
     )
     return measured(
         model(fit, space, q2=q2),

@@ -11,6 +11,8 @@ alone determines the output. Slices of the parameter's range stand for its value
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 
@@ -18,9 +20,8 @@ from surrogate.errors import StudyError
 from surrogate.estimator import Array
 from surrogate.sensitivity.independence import needs_independent
 from surrogate.sensitivity.model import Analysed, Seed, model, require_at_least
-from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
-from surrogate.sensitivity.unit_cube import Measures, Method, measured
+from surrogate.sensitivity.unit_cube import Measures, Method, even, measured
 from surrogate.space.space import Space
 
 #: Points that a slice holds at least: the loss within is too small by about 1 / points.
@@ -52,10 +53,6 @@ def quantile(
     rare = min(probability, 1.0 - probability)
     require_at_least(int(np.ceil(slices * max(POINTS, 5.0 / rare))), samples=samples)
 
-    def sample(seed: int) -> Array:
-        runs = 2 ** int(np.ceil(np.log2(samples)))
-        return next(unit_blocks(space.size, runs, runs, np.random.default_rng(seed)))
-
     def analyse(u: Array, values: Array, seed: int) -> Measures:
         whole = _loss(values[None], probability)
         within = [_loss(_sliced(column, values, slices), probability) for column in u.T]
@@ -63,7 +60,7 @@ def quantile(
 
     return measured(
         model(fit, space, q2=q2),
-        Method("quantile", sample, analyse, {"quantile_share": (0.0, 1.0)}),
+        Method("quantile", partial(even, space, samples), analyse, {"quantile_share": (0.0, 1.0)}),
         seed=seed,
         confidence=confidence,
         replicates=replicates,

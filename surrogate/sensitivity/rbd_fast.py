@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 from SALib.analyze import rbd_fast as analysis
@@ -9,9 +11,8 @@ from SALib.analyze import rbd_fast as analysis
 from surrogate.estimator import Array
 from surrogate.sensitivity.independence import needs_independent
 from surrogate.sensitivity.model import Analysed, Seed, model, require_at_least
-from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Q2_NEEDED
-from surrogate.sensitivity.unit_cube import Measures, Method, measured, problem
+from surrogate.sensitivity.unit_cube import Measures, Method, even, measured, problem
 from surrogate.space.space import Space
 
 
@@ -42,16 +43,14 @@ def rbd_fast(
     require_at_least(8 * harmonics, samples=samples)
     cube = problem(space)
 
-    def sample(seed: int) -> Array:
-        runs = 2 ** int(np.ceil(np.log2(samples)))
-        return next(unit_blocks(space.size, runs, runs, np.random.default_rng(seed)))
-
     def analyse(u: Array, values: Array, seed: int) -> Measures:
         # Intervals come from replicates, so SALib's bootstrap is kept as short as it goes.
         found = analysis.analyze(cube, u, values, M=harmonics, num_resamples=2, seed=seed)
         return {"first_order_rbd": np.asarray(found["S1"])}
 
-    method = Method("rbd_fast", sample, analyse, {"first_order_rbd": (0.0, 1.0)})
+    method = Method(
+        "rbd_fast", partial(even, space, samples), analyse, {"first_order_rbd": (0.0, 1.0)}
+    )
     return measured(
         model(fit, space, q2=q2),
         method,

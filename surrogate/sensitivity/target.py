@@ -15,7 +15,14 @@ import xarray as xr
 
 from surrogate.errors import StudyError
 from surrogate.estimator import Array, Predictor
-from surrogate.sensitivity.draws import Functions, Measure, Values, integer_seed, spread
+from surrogate.sensitivity.draws import (
+    SAMPLES,
+    Functions,
+    Measure,
+    Values,
+    integer_seed,
+    spread,
+)
 from surrogate.sensitivity.independence import needs_independent, require_independent
 from surrogate.sensitivity.model import Analysed, Model, Seed, model
 from surrogate.sensitivity.pick_freeze import INDICES, pick_freeze
@@ -125,7 +132,7 @@ class Occurring:
 
     def of(self, estimator: Predictor) -> Values:
         """Indices of one estimator, on points common to all."""
-        return self.of_functions(lambda coded: estimator.predict(coded)[:, None], 512)[0]
+        return self.of_functions(lambda coded: estimator.predict(coded)[:, None], SAMPLES)[0]
 
     def of_functions(self, functions: Functions, pairs: int) -> list[Values]:
         """The same for each column of functions(coded) (run, count)."""

@@ -21,6 +21,7 @@ from surrogate.estimator import Array, Predictor
 from surrogate.sensitivity.draws import Functions, Values, spread
 from surrogate.sensitivity.independence import require_independent
 from surrogate.sensitivity.model import Model, Seed, require_at_least, rests
+from surrogate.sensitivity.pick_freeze import unit_blocks
 from surrogate.sensitivity.table import Estimate, Variables, dataset
 from surrogate.space.space import Space
 
@@ -123,6 +124,12 @@ def measured(
         surrogate_part=spreads[0].how,
         **attributes,
     )
+
+
+def even(space: Space, samples: int, seed: int) -> Array:
+    """At least `samples` points u (run, parameter), a power of two, of a scrambled sequence."""
+    runs = 2 ** int(np.ceil(np.log2(samples)))
+    return next(unit_blocks(space.size, runs, runs, np.random.default_rng(seed)))
 
 
 def problem(space: Space) -> dict[str, Any]:
