@@ -11,7 +11,13 @@ from numpy.typing import NDArray
 from surrogate.report import digits
 from surrogate.report.content import Content
 from surrogate.report.sections.indices import DECIMALS, of_output, refusal
-from surrogate.report.sections.measures import index, measures_of, names_of, unit_of
+from surrogate.report.sections.measures import (
+    index,
+    measures_of,
+    names_of,
+    unit_of,
+    variance_of,
+)
 
 #: The leading inputs are those that explain so much of the variance, and so many at most.
 ENOUGH, MOST = 0.8, 3
@@ -77,7 +83,8 @@ def clause(content: Content, output: str) -> str:
             break
     verb = "explains" if count == 1 else "explain"
     named = digits.listing(names[:count])
-    return f"{named} {verb} {digits.fixed(100.0 * share, 0)}{digits.THIN}% of its variance"
+    percent = f"{digits.fixed(100.0 * share, 0)}{digits.THIN}%"
+    return f"{named} {verb} {percent} of {variance_of(table)}"
 
 
 def explained(table: xr.Dataset, inputs: np.ndarray) -> float:

@@ -20,7 +20,7 @@ METHODS = {
     "pawn": "PAWN",
     "rbd_fast": "first-order indices (RBD-FAST)",
     "quantile": "goal-oriented indices of a quantile",
-    "target": "Sobol' indices of whether the limit is exceeded",
+    "target": "Sobol' indices",
 }
 #: What the measures of the methods that ship are, and the power of the output's unit in them.
 KNOWN = {
@@ -143,14 +143,22 @@ def method_of(table: xr.Dataset) -> str:
     """How the indices were computed, as a sentence."""
     method = str(table.attrs.get("method", ""))
     words = [METHODS.get(method, method.replace("_", " "))]
+    if table.attrs.get("event"):
+        share = digits.figure(float(table["probability"]))
+        words += [f"of whether it is {table.attrs['event']} (probability {share})"]
     surrogate = str(table.attrs.get("surrogate", ""))
     words += [f"of surrogate {surrogate}"] if surrogate else []
     computed = str(table.attrs.get("computed", ""))
     words += [f"by {computed}"] if computed else []
-    words += [f"(output {table.attrs['event']})"] if table.attrs.get("event") else []
     if "probability" in table.attrs:
         words += [f"at probability {table.attrs['probability']:g}"]
     return f"Method: {' '.join(word for word in words if word)}."
+
+
+def variance_of(table: xr.Dataset) -> str:
+    """What the shares are shares of: the output's variance, or that of an event."""
+    event = table.attrs.get("event")
+    return f"the variance of whether it is {event}" if event else "its variance"
 
 
 def sort_key(value: float) -> float | None:
