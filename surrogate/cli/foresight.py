@@ -23,7 +23,8 @@ def foreseen(study: Study, model: str | None, effect: float) -> dict[str, Precis
     """Precision of each polynomial surrogate on its training designs, by `surrogate of designs`.
 
     model: instead, of that model on every design; linear, interactions, quadratic or terms
-    such as 'a, b, a:b'. Designs whose points are not found yet are left out. Raises
+    such as 'a, b, a:b'. Designs whose points are not found yet are left out, and of levels
+    of fidelity all but the truth, which polynomials learn from. Raises
     `StudyError` when the model names what is not there.
     """
     if not effect > 0:
@@ -51,7 +52,7 @@ def foreseen(study: Study, model: str | None, effect: float) -> dict[str, Precis
 def _of(
     study: Study, words: str | Sequence[str], designs: Sequence[Design], effect: float
 ) -> Precision:
-    coded = np.vstack([design.coded for design in designs])
+    coded = np.vstack([design.truth for design in designs])
     return precision(Model(study.space, words), coded, effect)
 
 

@@ -96,6 +96,12 @@ class Design(Carded):
         named = [name for name, count in counts.items() for _ in range(count)]
         return (named + [list(counts)[-1]] * max(self.runs - len(named), 0))[: self.runs]
 
+    @property
+    def truth(self) -> NDArray[np.float64]:
+        """Points (run, parameter) of the last level of fidelity; all points of other designs."""
+        levels = np.array(self.levels)
+        return self.coded[levels == levels[-1]] if len(levels) else self.coded
+
     def repeated(self, times: int) -> Design:
         """The same design with each point `times` times, one after the other."""
         return replace(

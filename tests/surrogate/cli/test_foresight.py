@@ -71,3 +71,15 @@ def test_mistakes(tmp_path, model, effect, said):
     """An unknown name, an effect that is none."""
     with pytest.raises((DesignError, StudyError), match=said):
         standing.check(study(), tmp_path, model, effect)
+
+
+def test_of_levels_of_fidelity_the_truth_counts(tmp_path):
+    """Polynomials learn from its runs alone: 6 of 20 + 6 rows."""
+    levels = {"cheap": {}, "dear": {"solver": "ishigami"}}
+    one = study(
+        levels=levels,
+        designs={"train": {"method": "nested", "runs": {"cheap": 20, "dear": 6}}},
+        surrogates={"l": {"method": "linear"}},
+    )
+    found = standing.check(one, tmp_path, "linear").data["precision"]["linear from train"]
+    assert (found["runs"], found["degrees_of_freedom"]) == (6, 2)
