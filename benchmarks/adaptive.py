@@ -45,7 +45,7 @@ from surrogate.fitting.fit import Fit, fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.sensitivity.pick_freeze import pick_freeze
 from surrogate.sensitivity.sobol import sobol
-from surrogate.solver import Input
+from surrogate.solver import Solver
 from surrogate.space.distributions import distribution, uniform
 from surrogate.space.space import Parameter, Space
 from surrogate_solvers.textbook import Borehole, Ishigami, OTLCircuit, Piston
@@ -62,11 +62,10 @@ class Function:
     of: Callable[[Array], Array]
 
 
-def _textbook(solver: object, output: str | None = None) -> Function:
-    inputs: dict[str, Input] = solver.inputs  # type: ignore[attr-defined]
-    space = Space(tuple(Parameter(n, uniform(*one.range)) for n, one in inputs.items()))
-    name = output or next(iter(solver.outputs))  # type: ignore[attr-defined]
-    return Function(space, lambda coded: solver(**space.decode(coded))[name])  # type: ignore[operator]
+def _textbook(solver: Solver, output: str | None = None) -> Function:
+    space = Space(tuple(Parameter(n, uniform(*one.range)) for n, one in solver.inputs.items()))
+    name = output or next(iter(solver.outputs))
+    return Function(space, lambda coded: np.asarray(solver(**space.decode(coded))[name]))
 
 
 def _box(ranges: list[tuple[float, float]], of: Callable[[Array], Array]) -> Function:
