@@ -11,22 +11,18 @@ section 3.2). Runs at the same point are one run: they share the nugget.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
 from surrogate.regressors.columns import expand
 from surrogate.regressors.matern import ROOT5, correlation
-
-if TYPE_CHECKING:
-    from surrogate.regressors.fitted_process import FittedProcess
+from surrogate.regressors.process import Process
 
 Array = NDArray[np.float64]
 
 
-def joint(process: FittedProcess, X: Array) -> tuple[Array, Array]:
+def joint(process: Process, X: Array) -> tuple[Array, Array]:
     """Means (m, n) and covariances (m, n, n) of runs at m sets of n coded points X (m, n, d)."""
     sets, size, _ = X.shape
     points, one = expand(X.reshape(sets * size, -1), process.columns_), process.factors_

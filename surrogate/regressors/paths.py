@@ -17,16 +17,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surrogate.estimator import Groups
 from surrogate.regressors import anova, expansion
-from surrogate.regressors.kriging import Factored
 from surrogate.regressors.matern import correlation, weighted_sum
-from surrogate.space.space import Space
+from surrogate.regressors.process import Process
 
 Array = NDArray[np.float64]
 
@@ -37,42 +36,6 @@ QUADRATURE = 48
 RESOLVED = 1e-11
 #: Points whose eigenfunctions are evaluated at once: their products stay in the cache.
 STEP = 64
-
-
-class Process(Protocol):
-    """What a draw needs of a fitted `GaussianProcess`."""
-
-    space: Space | None
-    n_features_in_: int
-    points_: Array
-    standard_: Array
-    lengths_: Array
-    nugget_: float
-    widening_: float
-    offset_: float
-    scale_: float
-    weights_: Array
-    trend_: Array
-    factors_: Factored
-
-    @property
-    def interval_freedom(self) -> int:
-        """Degrees of freedom of its predictions."""
-
-    def expanded(self, X: ArrayLike) -> Array:
-        """Numeric columns (m, c) of coded points (m, d)."""
-
-    def trend_columns(self, points: Array) -> Array:
-        """F (m, q) at numeric columns."""
-
-    def own_columns(self, parameter: int, nodes: Array) -> tuple[list[int], Array]:
-        """Numbers of one parameter's columns, and their values (m, own) at its nodes (m,)."""
-
-    def factor(self, parameter: int, nodes: Array) -> Array:
-        """Part of each term (n + q, m) that depends on one parameter."""
-
-    def sobol_indices(self, groups: Groups | None = None) -> anova.SobolIndices:
-        """Indices of its mean."""
 
 
 @dataclass(frozen=True, eq=False)
