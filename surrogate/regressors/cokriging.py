@@ -101,7 +101,7 @@ class CoKriging(RegressorMixin, BaseEstimator):
         """The truth's values (m,) at coded X (m, d); with the standard deviation of a new run."""
         one = self.truth
         points = one.expanded(X)
-        mean = one.offset_ + one.scale_ * one.mean(points)
+        mean = one.unscaled(one.mean(points))
         if not return_std:
             return mean
         variance = np.sum(one.parts(points), axis=0) + one.variance_ * one.nugget_
@@ -125,7 +125,7 @@ class CoKriging(RegressorMixin, BaseEstimator):
         errors = np.empty(len(numbers))
         for own, error in zip(runs, one.errors_without(runs), strict=True):
             errors[own] = error
-        return one.offset_ + one.scale_ * (one.standard_ - errors)
+        return one.unscaled(one.standard_ - errors)
 
     def posterior_draws(self, size: int, seed: int | None = None) -> list[Draw]:
         """Functions that are as plausible as the mean, given the runs of all levels.
@@ -157,9 +157,7 @@ class Paths:
             points = level.expanded(X)
             g = level.scale_columns(points)
             rho = g @ own.trend[-g.shape[1] :, which]
-            mean = (below.offset_ + below.scale_ * below.mean(points)).reshape(
-                (-1,) + (1,) * (values.ndim - 1)
-            )
+            mean = below.unscaled(below.mean(points)).reshape((-1,) + (1,) * (values.ndim - 1))
             share = level.scale_ / (below.scale_ or 1.0)
             values = own.predict(X, which) + share * rho * (values - mean)
         return np.asarray(values)

@@ -58,13 +58,18 @@ class FittedProcess(RegressorMixin, BaseEstimator):
 
     def _checked_trend(self, points: Array) -> Array:
         """F (n, q) of training points, which must determine the trend."""
-        F = self.trend_columns(points)
+        F = self._trend_of_runs(points)
         if len(F) <= F.shape[1] or np.linalg.matrix_rank(F) < F.shape[1]:
-            raise ValueError(
-                f"{len(F)} runs cannot determine a {self.trend} trend with "
-                f"{F.shape[1]} coefficients; add runs or use trend: constant"
-            )
+            raise ValueError(f"{len(F)} runs cannot determine {self._undetermined(F.shape[1])}")
         return F
+
+    def _trend_of_runs(self, points: Array) -> Array:
+        """F (n, q) of training points."""
+        return self.trend_columns(points)
+
+    def _undetermined(self, size: int) -> str:
+        """What too few runs cannot determine, and the cure."""
+        return f"a {self.trend} trend with {size} coefficients; add runs or use trend: constant"
 
     def _trend_terms(self) -> list[Term]:
         return linear_terms(self.columns_) if self.trend == "linear" else [()]
@@ -117,6 +122,10 @@ class FittedProcess(RegressorMixin, BaseEstimator):
     def expanded(self, X: ArrayLike) -> Array:
         """Numeric columns (m, c) of coded points (m, d)."""
         return expand(validate_data(self, X, reset=False), self.columns_)
+
+    def unscaled(self, standard: Array) -> Array:
+        """Values of standardised ones, of any shape."""
+        return self.offset_ + self.scale_ * standard
 
     def _sums_and_variance(self, points: Array, weights: Array) -> tuple[Array, Array]:
         """Weighted sums (m, k) of correlations, and a new run's variance (m,), process's 1.

@@ -4,11 +4,11 @@ Lengths and nugget maximise restricted likelihood times prior. Santner, Williams
 Design and Analysis of Computer Experiments (2nd ed. 2018), chapters 3, 4. What a process with
 given lengths predicts: `fitted_process`.
 
-Lengths estimated from few runs are too sure of themselves, and so are deviations that take them
-as known. So folds of runs are left out, lengths estimated anew without them, and z is a left-out
-error over its deviation: the variance of the process by cross-validation is mean(z^2) times that
-by likelihood (Cressie 1993, section 2.6.4; Bachoc 2013, doi 10.1016/j.csda.2013.03.016, who shows
-that it is the safer one where the kernel is not that of the function). Deviations are wider by
+Deviations that take estimated lengths as known are too small when runs are few. So folds of runs
+are left out, lengths estimated anew without them, and z is a left-out error over its deviation:
+the variance of the process by cross-validation is mean(z^2) times that by likelihood (Cressie
+1993, section 2.6.4; Bachoc 2013, doi 10.1016/j.csda.2013.03.016, who shows that it is the safer
+one where the kernel is not that of the function). Deviations are wider by
 
     max(1, sqrt(mean(z^2) (n + 1) / (n - 1))),
 
@@ -106,15 +106,19 @@ class GaussianProcess(FittedProcess):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
+        self._most_probable(X, y)
+        self.folds_ = point_folds(self.points_, seed=self.seed)
+        self.left_out_ = self._left_out(self.folds_)
+        self.widening_ = _widening(self.standard_, *self.left_out_) if self.scale_ > 0.0 else 1.0
+        return self
+
+    def _most_probable(self, X: ArrayLike, y: ArrayLike) -> None:
+        """The process of runs with the most probable lengths and nugget found; not widened."""
         self._take(X, y)
         logs = guesses(self._bounds(), self.seed)
         if self.scale_ > 0.0:
             logs = self._search(self.standard_[:, None], logs, 1, max(self.starts, 1), FINE)
         self._set(logs[0], self._factored(logs[0]))
-        self.folds_ = point_folds(self.points_, seed=self.seed)
-        self.left_out_ = self._left_out(self.folds_)
-        self.widening_ = _widening(self.standard_, *self.left_out_) if self.scale_ > 0.0 else 1.0
-        return self
 
     def condition(self, X: ArrayLike, y: ArrayLike, logs: Array) -> Self:
         """Fit to points X (n, d) and values y (n,) with log lengths and log nugget (c + 1,).
@@ -225,7 +229,7 @@ class GaussianProcess(FittedProcess):
 
     def leave_one_out(self) -> Array:
         """Predictions (n,) of each run without it, lengths and nugget kept (Dubrule 1983)."""
-        return self._unscaled(self._closed(np.arange(len(self.points_)))[0])
+        return self.unscaled(self._closed(np.arange(len(self.points_)))[0])
 
     def leave_out(self, folds: ArrayLike) -> Array:
         """Predictions (n,) of each run without its fold (n,).
@@ -235,7 +239,7 @@ class GaussianProcess(FittedProcess):
         """
         folds = np.asarray(folds)
         known = self.folds_ is not None and np.array_equal(folds, self.folds_)
-        return self._unscaled((self.left_out_ if known else self._left_out(folds))[0])
+        return self.unscaled((self.left_out_ if known else self._left_out(folds))[0])
 
     def posterior_draws(self, size: int, seed: int | None = None) -> list[paths.Draw]:
         """Functions that are as plausible as the mean, given the runs.
@@ -263,9 +267,6 @@ class GaussianProcess(FittedProcess):
             other.widening_ = self.widening_
             found.append(other)
         return found
-
-    def _unscaled(self, standard: Array) -> Array:
-        return self.offset_ + self.scale_ * standard
 
     def _left_out(self, folds: NDArray[np.intp]) -> tuple[Array, Array]:
         """Standardised predictions (n,) of each run without its fold, and their deviations."""

@@ -18,8 +18,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from surrogate.regressors.gaussian_process import FINE, GaussianProcess
-from surrogate.regressors.length_search import guesses
+from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.matern import weighted_sum
 from surrogate.regressors.polynomial import Term, design_matrix, linear_terms
 from surrogate.space.space import Space
@@ -68,11 +67,7 @@ class LevelProcess(GaussianProcess):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,); deviations are not widened."""
-        self._take(X, y)
-        logs = guesses(self._bounds(), self.seed)
-        if self.scale_ > 0.0:
-            logs = self._search(self.standard_[:, None], logs, 1, max(self.starts, 1), FINE)
-        self._set(logs[0], self._factored(logs[0]))
+        self._most_probable(X, y)
         return self
 
     def _take(self, X: ArrayLike, y: ArrayLike) -> None:
@@ -116,26 +111,23 @@ class LevelProcess(GaussianProcess):
         terms: list[Term] = self._linear_terms() if self.scale == "linear" else [()]
         return design_matrix(terms, points)
 
-    def _checked_trend(self, points: Array) -> Array:
-        F = self._trend_of_runs(points)
-        if len(F) <= F.shape[1] or np.linalg.matrix_rank(F) < F.shape[1]:
-            raise ValueError(
-                f"{len(F)} runs cannot determine the {F.shape[1]} coefficients of a {self.trend} "
-                f"trend and a {self.scale} scale of a cheaper level; add runs at which the "
-                "cheaper level takes different values"
-            )
-        return F
-
     def _trend_of_runs(self, points: Array) -> Array:
         """F (n, q) at runs: with the answers of the level below where it has a run at the point."""
-        F, below = self.trend_columns(points), self.below
-        if below is None:
+        F = self.trend_columns(points)
+        if self.below is None:
             return F
-        twins, p = self._twins(points), self.scale_columns(points).shape[1]
+        twins, g = self.below.runs_at(points), self.scale_columns(points)
         known = twins >= 0
-        answers = below.standard_[twins[known], None]
-        F[known, -p:] = self.scale_columns(points[known]) * answers
+        F[known, -g.shape[1] :] = g[known] * self.below.standard_[twins[known], None]
         return F
+
+    def _undetermined(self, size: int) -> str:
+        if self.below is None:
+            return super()._undetermined(size)
+        return (
+            f"the {size} coefficients of a {self.trend} trend and a {self.scale} scale of a "
+            "cheaper level; add runs at which the cheaper level takes different values"
+        )
 
     def mean(self, points: Array) -> Array:
         """The standardised mean (m,) at numeric columns (m, c) of all inputs."""
@@ -181,20 +173,18 @@ class LevelProcess(GaussianProcess):
         ]
         if self.below is None:
             return errors
-        twins = [self._twins(self.points_[fold]) for fold in folds]
+        twins = [self.below.runs_at(self.points_[fold]) for fold in folds]
         left_below = self.below.errors_without([own[own >= 0] for own in twins])
         p = self.scale_columns(self.points_[:1]).shape[1]
-        for number, (fold, own, below) in enumerate(zip(folds, twins, left_below, strict=True)):
-            left = self.factors_.solved[fold].T @ errors[number]
+        for error, fold, own, below in zip(errors, folds, twins, left_below, strict=True):
+            left = self.factors_.solved[fold].T @ error
             rho = (self.trend_ - self.factors_.gain @ left)[-p:]
             known = own >= 0
-            errors[number][known] += self.scale_columns(self.points_[fold[known]]) @ rho * below
+            error[known] += self.scale_columns(self.points_[fold[known]]) @ rho * below
         return errors
 
-    def _twins(self, points: Array) -> Numbers:
-        """Number of the run below at each of the points (k, c); -1 where there is none."""
-        below = self.below
-        assert below is not None
-        apart = np.abs((points * below.mask)[:, None, :] - below.points_[None]).max(axis=2)
+    def runs_at(self, points: Array) -> Numbers:
+        """Number of the run of this level at each of points (m, c); -1 where there is none."""
+        apart = np.abs((points * self.mask)[:, None, :] - self.points_[None]).max(axis=2)
         nearest = apart.argmin(axis=1)
         return np.where(apart[np.arange(len(points)), nearest] < SAME, nearest, -1)

@@ -178,6 +178,13 @@ def test_a_constant_cheap_level_is_told():
         CoKriging(lower=[LevelRuns(x, np.ones(len(x)))]).fit(t, true(t))
 
 
+def test_too_few_runs_of_the_cheapest_level_are_told():
+    """It has no level below, and the message speaks of none."""
+    x, t = designs(3, 3)
+    with pytest.raises(ValueError, match="3 runs cannot determine a linear trend with 3 coeff"):
+        CoKriging(trend="linear", lower=[LevelRuns(x, cheap(x))]).fit(t, true(t))
+
+
 def test_a_misspelt_scale_is_told():
     x, t = designs()
     with pytest.raises(ValueError, match="constant"):

@@ -105,7 +105,7 @@ def test_closed_form_leave_out_equals_refits_with_the_same_lengths(trend, groups
         expected[folds == fold] = mean
         spread[folds == fold] = std * np.sqrt(fitted.variance_ / other.variance_)
     mean, std = fitted._closed(folds)
-    np.testing.assert_allclose(fitted._unscaled(mean), expected, atol=1e-8)
+    np.testing.assert_allclose(fitted.unscaled(mean), expected, atol=1e-8)
     np.testing.assert_allclose(fitted.scale_ * std, spread, rtol=1e-8)
     if groups == 40:
         np.testing.assert_allclose(fitted.leave_one_out(), expected, atol=1e-8)
@@ -120,7 +120,7 @@ def test_leave_out_estimates_lengths_anew():
     other = GaussianProcess(**fitted.get_params()).fit(x, changed)
     start = fitted.logs_
     other.logs_ = start
-    left_out = other._unscaled(other._left_out(np.arange(20))[0])
+    left_out = other.unscaled(other._left_out(np.arange(20))[0])
     assert left_out[3] == pytest.approx(fitted.leave_out(np.arange(20))[3], abs=1e-3)
 
 
