@@ -23,14 +23,15 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
+import public_functions as public
 from learning import curves
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from surrogate.errors import FitError
-from surrogate.fitting.bent_line import STRAYS, WIDE
+from surrogate.fitting.bent_line import STRAYS, WIDE, log_evidence
 from surrogate.fitting.learning import Curve
-from surrogate.fitting.power_law import _covariance
+from surrogate.fitting.power_law import covariance_of_medians
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.solver import Input, Output
@@ -63,39 +64,14 @@ def _inputs(size: int, low: float = 0.0, high: float = 1.0) -> dict[str, tuple[f
     return {f"x{k}": (low, high) for k in range(1, size + 1)}
 
 
-def dette_8d(*x: Array) -> Array:
-    found = 4 * (x[0] - 2 + 8 * x[1] - 8 * x[1] ** 2) ** 2 + (3 - 4 * x[1]) ** 2
-    found = found + 16 * np.sqrt(x[2] + 1) * (2 * x[2] - 1) ** 2
-    return found + sum(k * np.log(1 + sum(x[2:k])) for k in range(4, 9))
+def by_inputs(of: Callable[[Array], Array]) -> Callable[..., Array]:
+    """A function of rows (inputs, n), as in `public_functions`, as one of the inputs."""
+    return lambda *x: of(np.array(x))
 
 
 def dette_exponential(a: Array, b: Array, c: Array) -> Array:
     powers = ((a, 1.75), (b, 1.5), (c, 1.25))
     return 100.0 * sum(np.exp(-2.0 / np.maximum(x, 1e-3) ** power) for x, power in powers)
-
-
-def park_a(a: Array, b: Array, c: Array, d: Array) -> Array:
-    first = a / 2 * (np.sqrt(1 + (b + c**2) * d / a**2) - 1)
-    return first + (a + 3 * d) * np.exp(1 + np.sin(c))
-
-
-def franke(x: Array, y: Array) -> Array:
-    x, y = 9 * x, 9 * y
-    hills = 0.75 * np.exp(-((x - 2) ** 2 + (y - 2) ** 2) / 4)
-    hills = hills + 0.75 * np.exp(-((x + 1) ** 2) / 49 - (y + 1) / 10)
-    hills = hills + 0.5 * np.exp(-((x - 7) ** 2 + (y - 3) ** 2) / 4)
-    return hills - 0.2 * np.exp(-((x - 4) ** 2) - (y - 7) ** 2)
-
-
-def currin(x: Array, y: Array) -> Array:
-    ratio = (2300 * x**3 + 1900 * x**2 + 2092 * x + 60) / (100 * x**3 + 500 * x**2 + 4 * x + 20)
-    return (1 - np.exp(-1 / (2 * y))) * ratio
-
-
-def robot_arm(*x: Array) -> Array:
-    turns = np.cumsum(x[:4], axis=0)
-    ends = [sum(x[4 + k] * side(turns[k]) for k in range(4)) for side in (np.cos, np.sin)]
-    return np.hypot(*ends)
 
 
 def rosenbrock(*x: Array) -> Array:
@@ -110,11 +86,6 @@ def zakharov_log(*x: Array) -> Array:
 def loeppky(a: Array, b: Array, c: Array, d: Array, e: Array, f: Array, g: Array) -> Array:
     linear = 6 * a + 4 * b + 5.5 * c + d + 0.5 * e + 0.2 * f + 0.1 * g
     return linear + 3 * a * b + 2.2 * a * c + 1.4 * b * c
-
-
-def branin(x: Array, t: Array) -> Array:
-    bowl = t - 5.1 * x**2 / (4 * np.pi**2) + 5 * x / np.pi - 6
-    return bowl**2 + 10 * (1 - 1 / (8 * np.pi)) * np.cos(x) + 10
 
 
 def steel_column(
@@ -135,34 +106,23 @@ def sulfur(*x: Array) -> Array:
 
 
 FUNCTIONS = {
-    "dette_curved": Function(
-        _inputs(3),
-        lambda a, b, c: (
-            4 * (a - 2 + 8 * b - 8 * b**2) ** 2
-            + (3 - 4 * b) ** 2
-            + 16 * np.sqrt(c + 1) * (2 * c - 1) ** 2
-        ),
-    ),
+    "dette_curved": Function(_inputs(3), by_inputs(public.dette_curved)),
     "dette_exponential": Function(_inputs(3), dette_exponential),
-    "dette_8d": Function(_inputs(8), dette_8d),
-    "park_a": Function(_inputs(4, 0.01), park_a),
-    "park_b": Function(_inputs(4), lambda a, b, c, d: 2 / 3 * np.exp(a + b) - d * np.sin(c) + c),
-    "franke": Function(_inputs(2), franke),
-    "lim": Function(
-        _inputs(2), lambda x, y: ((30 + 5 * x * np.sin(5 * x)) * (4 + np.exp(-5 * y)) - 100) / 6
-    ),
-    "currin": Function({"x1": (0.0, 1.0), "x2": (0.02, 1.0)}, currin),
+    "dette_8d": Function(_inputs(8), by_inputs(public.dette_8d)),
+    "park_a": Function(_inputs(4, 0.01), by_inputs(public.park_1)),
+    "park_b": Function(_inputs(4), by_inputs(public.park_2)),
+    "franke": Function(_inputs(2), by_inputs(public.franke)),
+    "lim": Function(_inputs(2), by_inputs(public.lim)),
+    "currin": Function({"x1": (0.0, 1.0), "x2": (0.02, 1.0)}, by_inputs(public.currin)),
     "robot_arm": Function(
-        {f"t{k}": (0.0, 1.5) for k in range(4)} | {f"l{k}": (0.0, 1.0) for k in range(4)}, robot_arm
+        {f"t{k}": (0.0, 1.5) for k in range(4)} | {f"l{k}": (0.0, 1.0) for k in range(4)},
+        by_inputs(public.robot_arm),
     ),
     "rosenbrock": Function(_inputs(4, -2.0, 2.0), rosenbrock),
-    "gramacy_lee": Function(
-        _inputs(6),
-        lambda a, b, c, d, e, f: np.exp(np.sin((0.9 * (a + 0.48)) ** 10)) + b * c + d,
-    ),
+    "gramacy_lee": Function(_inputs(6), by_inputs(public.gramacy_lee_6d)),
     "loeppky": Function(_inputs(7), loeppky),
     "zakharov_log": Function(_inputs(4, -3.0, 3.0), zakharov_log),
-    "branin": Function({"x1": (-5.0, 10.0), "x2": (0.0, 15.0)}, branin),
+    "branin": Function({"x1": (-5.0, 10.0), "x2": (0.0, 15.0)}, by_inputs(public.branin)),
     "steel_column": Function(
         {
             "Fs": (480.0, 520.0),
@@ -208,21 +168,16 @@ def medians(curve: Curve) -> tuple[Array, Array, Array] | None:
     if y.min() < max(y.max() - FALL, LOWEST):
         return None
     n = curve.runs.astype(float)
-    return np.log(n / curve.whole), y, _covariance(n, logs, curve.whole)
+    return np.log(n / curve.whole), y, covariance_of_medians(n, logs, curve.whole)
 
 
-def log_evidence(one: tuple[Array, Array, Array], mean: Array, sd: Array) -> float:
+def log_evidence_of(one: tuple[Array, Array, Array], mean: Array, sd: Array) -> float:
     """Of a curve, with slope and bend normal, summed over how far it strays from its law."""
     x, y, covariance = one
     X = np.column_stack([np.ones_like(x), x, x**2])
-    spread = X @ np.diag(np.array([WIDE, *sd]) ** 2) @ X.T + covariance
-    residual = y - X[:, 1:] @ mean
-    found = []
-    for t in STRAYS:
-        marginal = spread + t**2 * np.eye(len(x))
-        loss = residual @ np.linalg.solve(marginal, residual)
-        found.append(-0.5 * (np.linalg.slogdet(marginal)[1] + loss))
-    return float(np.logaddexp.reduce(found))
+    residual, spread = y - X[:, 1:] @ mean, np.array([WIDE, *sd])
+    given = [log_evidence(X, residual, covariance + t**2 * np.eye(len(x)), spread) for t in STRAYS]
+    return float(np.logaddexp.reduce(given))
 
 
 def main() -> None:
@@ -236,7 +191,7 @@ def main() -> None:
     start = np.array([-1.5, -0.1, 0.0, -1.0])
 
     def lost(at: Array) -> float:
-        return -sum(log_evidence(one, at[:2], np.exp(at[2:])) for one in known)
+        return -sum(log_evidence_of(one, at[:2], np.exp(at[2:])) for one in known)
 
     found = minimize(lost, start, method="Nelder-Mead", options={"xatol": 0.01, "fatol": 0.01}).x
     sd = np.exp(found[2:])

@@ -56,7 +56,14 @@ def _given(X: Array, residual: Array, covariance: Array, sd: Array) -> tuple[Arr
     precision = X.T @ np.linalg.solve(covariance, X) + np.diag(sd**-2.0)
     inverse = np.linalg.inv(precision)
     shift = inverse @ (X.T @ np.linalg.solve(covariance, residual))
+    return shift, np.linalg.cholesky(inverse), log_evidence(X, residual, covariance, sd)
+
+
+def log_evidence(X: Array, residual: Array, covariance: Array, sd: Array) -> float:
+    """Log marginal likelihood, up to a constant.
+
+    residual (n,) y - X mean, covariance (n, n) of y about the line, sd (k,) of the prior
+    """
     marginal = covariance + X @ np.diag(sd**2) @ X.T
     loss = float(residual @ np.linalg.solve(marginal, residual))
-    log_evidence = -0.5 * (float(np.linalg.slogdet(marginal)[1]) + loss)
-    return shift, np.linalg.cholesky(inverse), log_evidence
+    return -0.5 * (float(np.linalg.slogdet(marginal)[1]) + loss)

@@ -145,7 +145,7 @@ def power_law(
     if enough.sum() < 3:
         raise ValueError("fewer than three sizes could be fitted")
     n, logs = np.asarray(runs, dtype=float)[enough], logs[:, enough]
-    medians, covariance = np.nanmedian(logs, axis=0), _covariance(n, logs, whole)
+    medians, covariance = np.nanmedian(logs, axis=0), covariance_of_medians(n, logs, whole)
     rng = np.random.default_rng(seed)
     if not terms and _gain(n, medians) > NEEDED * covariance[0, 0]:
         drawn = rng.multivariate_normal(medians, covariance, size=DRAWS, method="cholesky")
@@ -165,8 +165,11 @@ def _rows(found: Array) -> Array:
     return rows
 
 
-def _covariance(n: Array, logs: Array, whole: int) -> Array:
-    """Of the medians (k, k), for v the median variance of the sizes up to half of the runs."""
+def covariance_of_medians(n: Array, logs: Array, whole: int) -> Array:
+    """Covariance (k, k) of the medians of logs (subset, k) at n (k,) of `whole` runs.
+
+    v is the median variance of the sizes up to half of the runs.
+    """
     small = n <= max(0.5 * whole, n[0])
     variance = max(float(np.median(np.nanvar(logs[:, small], axis=0, ddof=1))), SCATTER**2)
     alone = 1.0 / len(logs)
