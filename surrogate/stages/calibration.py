@@ -46,13 +46,6 @@ def calibration(
     """The posterior with what runs of the solver at its draws say, if there are any."""
     if posterior is None:
         return None
-    return verified(posterior, runs, fits, comparison)
-
-
-def verified(
-    posterior: Posterior, runs: xr.Dataset, fits: Fits, comparison: xr.Dataset | None
-) -> Posterior:
-    """The same with the runs of the verifying design."""
     own = runs.isel(run=verifying(runs, CALIBRATION))
     if not own.sizes["run"]:
         return posterior

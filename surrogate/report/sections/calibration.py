@@ -27,6 +27,10 @@ from surrogate.report.blocks import (
 )
 from surrogate.report.figures.posterior import marginal_plot, pair_plot, predictive_plot
 
+TITLE = "What measurements say about inputs"
+#: Figures of an unknown in the tables.
+BEFORE_AND_AFTER = (*ENDS, "prior_mean", "prior_low", "prior_high", "shrinkage")
+QUALITY = ("r_hat", "ess_bulk", "ess_tail")
 #: Pairs of free inputs that are drawn at most.
 PAIRS = 6
 #: Correlation beyond which two inputs are told to be known together rather than each.
@@ -62,9 +66,6 @@ def section(found: Posterior) -> Section:
         blocks.append(Fold(title, (_table(found, others), shown)))
     blocks.append(Fold("Sampling", (_sampling(found), Text(MEANING))))
     return Section("calibration", TITLE, tuple(blocks))
-
-
-TITLE = "What measurements say about inputs"
 
 
 def answer(found: Posterior) -> str:
@@ -121,9 +122,6 @@ def _table(found: Posterior, unknowns: Sequence[Unknown]) -> Table:
     return Table("Mean and 95 % interval, posterior and prior.", heads, tuple(rows))
 
 
-BEFORE_AND_AFTER = ("mean", "low", "high", "prior_mean", "prior_low", "prior_high", "shrinkage")
-
-
 def _sampling(found: Posterior) -> Table:
     """How good the draws of each unknown are, and its prior."""
     rows = []
@@ -145,9 +143,6 @@ def _sampling(found: Posterior) -> Table:
         Head("prior", numeric=False),
     )
     return Table("Draws of each unknown.", heads, tuple(rows))
-
-
-QUALITY = ("r_hat", "ess_bulk", "ess_tail")
 
 
 def _solver_table(tested: tuple[Tested, ...]) -> Table:
