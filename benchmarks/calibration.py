@@ -34,10 +34,10 @@ Measured with 128 repeats (`ranks`, some 110 s of processor time a line): p of e
     wing_weight  Nz, Wdg free     0.05 sd, discrepancy       0.188, 0.694, sd 0.165, length 0.433
     wing_weight  Sw, A, tc, Wdg   0.05 sd, normal priors     0.120, 0.217, 0.519, 0.473
 
-38 unknowns of 15 problems. The smallest p is 0.010; of 38 honest ones the smallest is below that
-with probability 0.32; other truths of that problem (seed 1234 in `ranks`) give 0.481, 0.087, 0.816,
-0.242. The same without the surrogate's error (40 repeats, error 0.01 sd, coarse
-surrogates): forrester 8 runs, t 2e-20; branin 9 runs, t 3e-17; ishigami 12 runs, X2 0.010.
+38 unknowns of 15 problems. The smallest p is 0.010; when all posteriors are right, the smallest of
+38 is below that with probability 0.32. Other truths of that problem (seed 1234 in `ranks`) give
+0.481, 0.087, 0.816, 0.242. The same without the surrogate's error (40 repeats, error 0.01 sd,
+coarse surrogates): forrester 8 runs, t 2e-20; branin 9 runs, t 3e-17; ishigami 12 runs, X2 0.010.
 `coverage` has not been measured yet.
 """
 

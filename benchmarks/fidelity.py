@@ -25,7 +25,7 @@ at the RMSE of co-kriging are interpolated in the logarithms. Medians over seeds
     bandage   24 + 152            2603   0.33, 0.27 mmHg        over 1117 s (24 medium runs: 1.06)
 
 Co-kriging pays where true runs are too few to see the shape, and costs where the truth alone is
-smooth (Park). A coarse run of the bandage costs a fifth of a medium one, which is dear.
+smooth (Park). A coarse run of the bandage costs a fifth of a medium one: twice the share.
 """
 
 from __future__ import annotations

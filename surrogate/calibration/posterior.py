@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 #: Ends of the intervals that are told.
 TAILS = (0.025, 0.975)
 ENDS = ("mean", "low", "high")
-#: Measurements teach nothing about an input where they take away less of its prior's variance.
+#: Measurements say almost nothing about an input where they reduce the prior's variance by less.
 TAUGHT = 0.1
 #: A posterior piles up at an end when more than this share of it lies in the outermost `EDGE` of
 #: the prior's range, and `TIMES` the share that the prior has there.
@@ -125,12 +125,12 @@ def _row(drawn: Array, prior: Array) -> dict[str, float]:
 
 
 def untaught(problem: Problem, figures: xr.Dataset) -> list[str]:
-    """A sentence for each free input of which the measurements say next to nothing."""
+    """A sentence for each free input of which the measurements say almost nothing."""
     shares = {name: float(figures["shrinkage"].sel(unknown=name)) for name in problem.free}
     return [
-        f"{name}: the measurements say next to nothing about it (they took away "
-        f"{100.0 * max(share, 0.0):.0f} % of the prior's variance); its interval is that of its "
-        "prior. Measure where it matters, or leave it at its nominal value."
+        f"{name}: the measurements say almost nothing about it (they reduced the prior's variance "
+        f"by {100.0 * max(share, 0.0):.0f} %); its interval is nearly that of its prior. Add "
+        "measurements of outputs that it changes, or leave it at its nominal value."
         for name, share in shares.items()
         if share < TAUGHT
     ]

@@ -1,10 +1,10 @@
 """Nested design: points of several levels of fidelity, each level's among the cheaper one's.
 
 The truth has a maximin Latin hypercube, because its runs are few. A cheaper level has the
-points of the dearer one and the next points of a Sobol' sequence. So a study that asks for more
-runs of a cheaper level keeps all runs that it has. (Le Gratiet and Garnier 2014, section 3.3,
-begin with the truth too; Qian 2009, Nested Latin hypercube designs, needs numbers of runs that
-divide each other.)
+points of the more expensive one and the next points of a Sobol' sequence. So a study that asks
+for more runs of a cheaper level keeps all runs that it has. (Le Gratiet and Garnier 2014,
+section 3.3, begin with the truth too; Qian 2009, Nested Latin hypercube designs, needs numbers of
+runs that divide each other.)
 """
 
 from __future__ import annotations
@@ -58,9 +58,9 @@ def _counts(runs: Mapping[str, int]) -> list[int]:
         )
     counts = [whole(f"runs of {level}", count, 1) for level, count in runs.items()]
     wrong = [
-        f"runs of {level}: {count} must be {following} or more, as {dearer} has, for its points "
-        "are among those of the cheaper level"
-        for (level, count), (dearer, following) in pairwise(zip(runs, counts, strict=True))
+        f"runs of {level}: {count} must be {following} or more, as {above} has; "
+        f"the points of {above} are among those of {level}"
+        for (level, count), (above, following) in pairwise(zip(runs, counts, strict=True))
         if count < following
     ]
     if wrong:

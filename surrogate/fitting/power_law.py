@@ -8,10 +8,10 @@ With x = log(n / N) for N runs that there are,
 
 The first is a power law that bends: errors of Gaussian processes and of sparse polynomials fall
 slowly with few runs, then faster (q > 0). It goes on straight from twice the runs on, and where
-it would turn up it levels out. The prior of b and q is what the curves of eighteen published
-functions say, `ANY_FORM`; it yields to the curve (`bent_line`). The floor is taken where a power
-law with it betters the fit by more than the scatter of the medians (weights rise as n^2, because
-the largest subsets tell most of still larger ones; Figueroa et al. 2012, doi
+it would turn up it levels out. The prior of b and q comes from the curves of eighteen published
+functions, `ANY_FORM`; it has little weight where the curve is clear (`bent_line`). The floor is
+taken where a power law with it betters the fit by more than the scatter of the medians (weights
+rise as n^2, because the largest subsets tell most of still larger ones; Figueroa et al. 2012, doi
 10.1186/1472-6947-12-8, have them rise as n). The third is the error of least squares whose terms,
 the constant one of them, leave something out, b = 1 for normal inputs (Breiman and Freedman 1983,
 doi 10.1080/01621459.1983.10477941): it stops falling.

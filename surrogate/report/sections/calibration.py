@@ -33,13 +33,13 @@ BEFORE_AND_AFTER = (*ENDS, "prior_mean", "prior_low", "prior_high", "shrinkage")
 QUALITY = ("r_hat", "ess_bulk", "ess_tail")
 #: Pairs of free inputs that are drawn at most.
 PAIRS = 6
-#: Correlation beyond which two inputs are told to be known together rather than each.
+#: Correlation beyond which the report says that a combination of two inputs is known best.
 TIED = 0.7
 MEANING = (
-    "Shrinkage: share of the prior's variance that the measurements took away; near 0 they say "
-    "nothing about this unknown, below 0 it is wider than before. R-hat: near 1 when all walkers "
-    "agree (split and rank normalised). Effective sample size: the smaller of bulk and tails "
-    "(Vehtari et al. 2021). The surrogate's own error is part of the likelihood."
+    "Shrinkage: by which share the measurements reduced the prior's variance; near 0 they say "
+    "nothing about this unknown, below 0 it is less certain than before. R-hat: near 1 when all "
+    "walkers agree (split and rank normalised). Effective sample size: the smaller of bulk and "
+    "tails (Vehtari et al. 2021). The surrogate's own error is part of the likelihood."
 )
 
 
@@ -77,7 +77,7 @@ def answer(found: Posterior) -> str:
         unit = digits.unit(found.problem.space[name].unit)
         told.append(f"{name} {words} {unit}".rstrip())
     cases = digits.quantity(len(found.problem.labels), "case")
-    return f"Measured in {cases}: {'; '.join(told)} (posterior mean, 95 % interval)."
+    return f"From measurements of {cases}: {'; '.join(told)} (posterior mean, 95 % interval)."
 
 
 def _split(found: Posterior) -> tuple[list[Unknown], list[Unknown]]:
@@ -184,7 +184,7 @@ def _pair(found: Posterior, first: str, second: str) -> Figure:
         (first, second), (units[0], units[1]), (found.draws(first), found.draws(second))
     )
     r = float(np.corrcoef(found.draws(first), found.draws(second))[0, 1])
-    more = "; together they are known better than each alone" if abs(r) > TIED else ""
+    more = "; a combination of them is known better than each of them" if abs(r) > TIED else ""
     return Figure(
         drawing, f"Draws of {first} and {second}: correlation {digits.fixed(r, 2)}{more}."
     )

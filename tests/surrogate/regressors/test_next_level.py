@@ -34,8 +34,8 @@ def test_what_is_known_of_one_level_decides():
     assert choose(rough, GRID, [1.0, 1.0])[1] == 1
 
 
-def test_dear_truth_is_run_less_than_cheap_truth():
-    """Of twelve choices, the dearer the truth the fewer fall on it."""
+def test_expensive_truth_is_run_less_than_cheap_truth():
+    """Of eight choices, fewer fall on the truth when it costs more."""
     counts = []
     for dear in (1.0, 200.0):
         low = np.linspace(-1, 1, 5)[:, None]
