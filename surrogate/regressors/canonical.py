@@ -20,11 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-from surrogate.regressors.columns import Column
+from surrogate.regressors.columns import Column, Term
 from surrogate.regressors.least_squares import LeastSquares
 
 Array = NDArray[np.float64]
-Term = tuple[tuple[int, int], ...]
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,9 @@ from surrogate.space.space import Parameter, Space
 
 Array = NDArray[np.float64]
 
+#: A product of powers of columns: ((column number, power), ...); () is the constant.
+Term = tuple[tuple[int, int], ...]
+
 #: Probabilities keep this far from 0.
 TINY = 1e-17
 

@@ -19,11 +19,11 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.estimator import Groups
 from surrogate.regressors import anova, paths, portable
-from surrogate.regressors.columns import Column, expand
+from surrogate.regressors.columns import Column, Term, expand
 from surrogate.regressors.joint import joint
 from surrogate.regressors.kriging import Factored, factored
 from surrogate.regressors.matern import blocks, correlation, weighted_sum
-from surrogate.regressors.polynomial import Term, design_matrix, linear_terms
+from surrogate.regressors.polynomial import design_matrix, linear_terms
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]

@@ -18,9 +18,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from surrogate.regressors.columns import Term
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.matern import weighted_sum
-from surrogate.regressors.polynomial import Term, design_matrix, linear_terms
+from surrogate.regressors.polynomial import design_matrix, linear_terms
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]

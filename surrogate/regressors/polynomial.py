@@ -21,14 +21,11 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 from surrogate.estimator import Groups
 from surrogate.regressors import anova, portable, regression
 from surrogate.regressors.canonical import Canonical, canonical
-from surrogate.regressors.columns import Column, columns_of, expand
+from surrogate.regressors.columns import Column, Term, columns_of, expand
 from surrogate.regressors.least_squares import LeastSquares, least_squares, least_squares_of_many
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
-
-#: A term is a product of powers of columns: ((column number, power), ...); () is the constant.
-Term = tuple[tuple[int, int], ...]
 
 
 def linear_terms(of: tuple[Column, ...]) -> list[Term]:

@@ -19,8 +19,8 @@ from sklearn.linear_model import LassoLarsCV
 from sklearn.model_selection import KFold
 
 from surrogate.errors import nearest
+from surrogate.regressors.columns import Term
 from surrogate.regressors.polynomial import (
-    Term,
     TermRegressor,
     design_matrix,
     interaction_terms,
