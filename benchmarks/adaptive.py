@@ -23,7 +23,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from growing import grown
 from numpy.typing import NDArray
+from public_functions import branin, goldstein_price, hartmann_3, hartmann_6, six_hump_camel
+from reliability import four_branches
 
 from surrogate.adaptive.aim import (
     ACCURACY,
@@ -33,13 +36,9 @@ from surrogate.adaptive.aim import (
     PROBABILITY,
     TARGET,
     Aim,
-    Review,
     Rule,
     Until,
 )
-from surrogate.adaptive.answers import Answers
-from surrogate.adaptive.choose import choose
-from surrogate.adaptive.judge import is_due, review
 from surrogate.designs.latin_hypercube import latin_hypercube
 from surrogate.fitting.fit import Fit, fit
 from surrogate.regressors.gaussian_process import GaussianProcess
@@ -62,60 +61,17 @@ class Function:
     of: Callable[[Array], Array]
 
 
-def _textbook(solver: Solver, output: str | None = None) -> Function:
-    space = Space(tuple(Parameter(n, uniform(*one.range)) for n, one in solver.inputs.items()))
-    name = output or next(iter(solver.outputs))
-    return Function(space, lambda coded: np.asarray(solver(**space.decode(coded))[name]))
+def _textbook(solver: Solver) -> Function:
+    """The first output of a textbook solver."""
+    inputs, output = solver.inputs.items(), next(iter(solver.outputs))
+    space = Space(tuple(Parameter(name, uniform(*one.range)) for name, one in inputs))
+    return Function(space, lambda coded: np.asarray(solver(**space.decode(coded))[output]))
 
 
 def _box(ranges: list[tuple[float, float]], of: Callable[[Array], Array]) -> Function:
-    space = Space(tuple(Parameter(f"x{k}", uniform(*one)) for k, one in enumerate(ranges, start=1)))
-    return Function(space, lambda coded: of(np.column_stack(list(space.decode(coded).values()))))
-
-
-def _branin(x: Array) -> Array:
-    """Dixon and Szegoe 1978; smallest value 0.397887."""
-    a = x[:, 1] - 5.1 / (4 * np.pi**2) * x[:, 0] ** 2 + 5 / np.pi * x[:, 0] - 6
-    return a**2 + 10 * (1 - 1 / (8 * np.pi)) * np.cos(x[:, 0]) + 10
-
-
-def _camel(x: Array) -> Array:
-    """Six-hump camel back (Dixon and Szegoe 1978); smallest value -1.031628."""
-    a, b = x.T
-    return (4 - 2.1 * a**2 + a**4 / 3) * a**2 + a * b + (4 * b**2 - 4) * b**2
-
-
-def _goldstein(x: Array) -> Array:
-    """Logarithm of Goldstein and Price's function (1971); smallest value log 3."""
-    a, b = x.T
-    one = 1 + (a + b + 1) ** 2 * (19 - 14 * a + 3 * a**2 - 14 * b + 6 * a * b + 3 * b**2)
-    two = 18 - 32 * a + 12 * a**2 + 48 * b - 36 * a * b + 27 * b**2
-    return np.log(one * (30 + (2 * a - 3 * b) ** 2 * two))
-
-
-def _hartmann(A: Array, P: Array) -> Callable[[Array], Array]:
-    alpha = np.array([1.0, 1.2, 3.0, 3.2])
-    return lambda x: -np.exp(-(A * (x[:, None] - 1e-4 * P) ** 2).sum(axis=-1)) @ alpha
-
-
-_A3 = np.array([[3, 10, 30], [0.1, 10, 35], [3, 10, 30], [0.1, 10, 35]])
-_P3 = np.array([[3689, 1170, 2673], [4699, 4387, 7470], [1091, 8732, 5547], [381, 5743, 8828]])
-_A6 = np.array(
-    [
-        [10, 3, 17, 3.5, 1.7, 8],
-        [0.05, 10, 17, 0.1, 8, 14],
-        [3, 3.5, 1.7, 10, 17, 8],
-        [17, 8, 0.05, 10, 0.1, 14],
-    ]
-)
-_P6 = np.array(
-    [
-        [1312, 1696, 5569, 124, 8283, 5886],
-        [2329, 4135, 8307, 3736, 1004, 9991],
-        [2348, 1451, 3522, 2883, 3047, 6650],
-        [4047, 8828, 8732, 5743, 1091, 381],
-    ]
-)
+    """A function of the rows x (inputs, n) on a box."""
+    laws = enumerate((uniform(*one) for one in ranges), start=1)
+    return _of_rows(Space(tuple(Parameter(f"x{k}", law) for k, law in laws)), of)
 
 
 def _four_branches(**ends: tuple[float, float]) -> Function:
@@ -125,19 +81,16 @@ def _four_branches(**ends: tuple[float, float]) -> Function:
     """
     law = distribution("normal", mean=0.0, std=1.0, **ends)
     space = Space(tuple(Parameter(f"x{k}", law) for k in (1, 2)))
-
-    def of(coded: Array) -> Array:
-        a, b = space.decode(coded).values()
-        bow = 3 + 0.1 * (a - b) ** 2
-        sides = (bow - (a + b) / 2**0.5, bow + (a + b) / 2**0.5)
-        return -np.min([*sides, a - b + 6 / 2**0.5, b - a + 6 / 2**0.5], axis=0)
-
-    return Function(space, of)
+    return _of_rows(space, lambda x: -four_branches(x))
 
 
-BRANIN = _box([(-5, 10), (0, 15)], _branin)
-CAMEL = _box([(-3, 3), (-2, 2)], _camel)
-HARTMANN_3 = _box([(0, 1)] * 3, _hartmann(_A3, _P3))
+def _of_rows(space: Space, of: Callable[[Array], Array]) -> Function:
+    return Function(space, lambda coded: of(np.array(list(space.decode(coded).values()))))
+
+
+BRANIN = _box([(-5, 10), (0, 15)], branin)
+CAMEL = _box([(-3, 3), (-2, 2)], six_hump_camel)
+HARTMANN_3 = _box([(0, 1)] * 3, hartmann_3)
 ISHIGAMI, BOREHOLE, PISTON = _textbook(Ishigami()), _textbook(Borehole()), _textbook(Piston())
 OTL = _textbook(OTLCircuit())
 WHOLE = {
@@ -158,9 +111,9 @@ FUNCTIONS: dict[str, dict[str, Function]] = {
     OPTIMUM: {
         "branin": BRANIN,
         "six-hump camel": CAMEL,
-        "log goldstein": _box([(-2, 2)] * 2, _goldstein),
+        "log goldstein": _box([(0, 1)] * 2, goldstein_price),
         "hartmann 3": HARTMANN_3,
-        "hartmann 6": _box([(0, 1)] * 6, _hartmann(_A6, _P6)),
+        "hartmann 6": _box([(0, 1)] * 6, hartmann_6),
     },
     PROBABILITY: {
         "branches, (-5, 5)": _four_branches(range=(-5.0, 5.0)),
@@ -175,23 +128,10 @@ FUNCTIONS: dict[str, dict[str, Function]] = {
 SMALLEST = {
     "branin": 0.397887,
     "six-hump camel": -1.031628,
-    "log goldstein": np.log(3.0),
+    "log goldstein": (np.log(3.0) - 8.693) / 2.427,
     "hartmann 3": -3.862782,
     "hartmann 6": -3.322368,
 }
-
-
-def grown(function: Function, rule: Rule, runs: int, seed: int) -> Array:
-    """Coded points of an adaptive design, a point at a time."""
-    start = max(round(INITIAL * runs), function.space.size + 3)
-    coded, reviews = latin_hypercube(function.space, runs=start, seed=seed), list[Review]()
-    while len(coded) < runs:
-        all_ok = np.ones(len(coded), dtype=bool)
-        answers = Answers(coded, all_ok, all_ok, {"y": function.of(coded)})
-        if is_due(rule, reviews, len(coded)):
-            reviews.append(review(rule, function.space, answers))
-        coded = np.vstack([coded, choose(rule, function.space, answers, reviews[-1])])
-    return coded
 
 
 def _fit(function: Function, coded: Array) -> Fit:
@@ -234,11 +174,13 @@ def compared(aim: str, name: str, function: Function, repeats: int) -> Iterator[
     """A line for each error of one function."""
     truth = Truth(aim, name, function)
     runs = RUNS.get(name, A_PARAMETER * function.space.size)
+    start = max(round(INITIAL * runs), function.space.size + 3)
     rule = Rule(Aim(aim, ("y",), truth.value), Until(runs, FIGURES[aim][0]))
     both = []
     for seed in range(repeats):
         filling = latin_hypercube(function.space, runs=runs, seed=100 + seed)
-        both.append((truth.errors(grown(function, rule, runs, seed)), truth.errors(filling)))
+        chosen = grown(function.space, function.of, rule, start, seed)
+        both.append((truth.errors(chosen), truth.errors(filling)))
     for error in both[0][0]:
         pairs = np.array([(ours[error], filled[error]) for ours, filled in both])
         ours, filled = np.median(pairs, axis=0)

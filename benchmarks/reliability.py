@@ -24,13 +24,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from growing import grown
 from numpy.typing import NDArray
 
-from surrogate.adaptive.aim import PROBABILITY, Aim, Review, Rule, Until
-from surrogate.adaptive.answers import Answers
-from surrogate.adaptive.choose import choose
-from surrogate.adaptive.judge import is_due, review
-from surrogate.designs.latin_hypercube import latin_hypercube
+from surrogate.adaptive.aim import PROBABILITY, Aim, Rule, Until
 from surrogate.fitting.fit import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.reliability.analyse import analyse
@@ -128,7 +125,7 @@ def _rp110(x: Array) -> Array:
     return np.minimum(one, np.where(x[1] <= 2.0, 2.3 - x[1], 0.5 - 0.1 * x[1]))
 
 
-def _four_branches(x: Array) -> Array:
+def four_branches(x: Array) -> Array:
     bow = 3 + 0.1 * (x[0] - x[1]) ** 2
     sides = (bow - (x[0] + x[1]) / ROOT2, bow + (x[0] + x[1]) / ROOT2)
     return np.min([*sides, x[0] - x[1] + 6 / ROOT2, x[1] - x[0] + 6 / ROOT2], axis=0)
@@ -210,7 +207,7 @@ PROBLEMS = {
         normals(*[STANDARD] * 10), lambda x: 5 * 10**0.5 - x.sum(axis=0), 2.87e-7, True
     ),
     "RP111": Problem(TWO, lambda x: 12.5 - np.abs(x[0] * x[1]), 7.65e-7, True),
-    "four branches": Problem(TWO, _four_branches, 4.46e-3, True),
+    "four branches": Problem(TWO, four_branches, 4.46e-3, True),
     "hat": Problem(
         normals((0.25, 1), (0.25, 1)),
         lambda x: 20 - (x[0] - x[1]) ** 2 - 8 * (x[0] + x[1] - 4) ** 3,
@@ -283,13 +280,7 @@ def solved(problem: Problem, runs: int, seed: int) -> Reliability:
     space = problem.space
     start = min(max(10, 2 * space.size), 50)
     rule = Rule(Aim(PROBABILITY, ("g",), 0.0, -1), Until(runs, "unsure"), seed=seed)
-    coded, reviews = latin_hypercube(space, runs=start, seed=seed), list[Review]()
-    while len(coded) < runs:
-        all_ok = np.ones(len(coded), dtype=bool)
-        answers = Answers(coded, all_ok, all_ok, {"g": problem.of(coded)})
-        if is_due(rule, reviews, len(coded)):
-            reviews.append(review(rule, space, answers))
-        coded = np.vstack([coded, choose(rule, space, answers, reviews[-1])])
+    coded = grown(space, problem.of, rule, start, seed)
     process = GaussianProcess(normal_scores=True)
     return analyse(LIMIT, space, fit(space, coded, problem.of(coded), process, output="g"))
 
