@@ -36,8 +36,8 @@ from surrogate.fitting.fit import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.reliability.analyse import analyse
 from surrogate.reliability.crude import crude
+from surrogate.reliability.limit_state import state_of
 from surrogate.reliability.problem import Failure
-from surrogate.reliability.sampling import state_of
 from surrogate.reliability.solution import Reliability
 from surrogate.reliability.subset import subset
 from surrogate.space.distributions import Distribution, distribution, uniform

@@ -30,9 +30,9 @@ from surrogate.adaptive.limit_state import UNSURE
 from surrogate.adaptive.variance import covariances
 from surrogate.adaptive.worth import prediction
 from surrogate.regressors.gaussian_process import GaussianProcess
-from surrogate.reliability.limit_state import coded_of
+from surrogate.reliability.limit_state import coded_of, state_of
 from surrogate.reliability.problem import Failure
-from surrogate.reliability.sampling import fitting_method, sampled, state_of
+from surrogate.reliability.sampling import fitting_method, sampled
 from surrogate.reliability.subset import population
 from surrogate.space.space import Space
 

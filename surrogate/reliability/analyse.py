@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from surrogate.fitting.fit import Fit
 from surrogate.reliability import doubt
-from surrogate.reliability.estimate import Estimate, Population
+from surrogate.reliability.estimate import Estimate, Interval, Population
 from surrogate.reliability.form import Form, form
 from surrogate.reliability.importance import importance
-from surrogate.reliability.limit_state import coded_of
+from surrogate.reliability.limit_state import coded_of, state_of
 from surrogate.reliability.problem import Failure
-from surrogate.reliability.sampling import fitting_method, sampled, state_of
-from surrogate.reliability.solution import DesignPoint, Interval, Reliability
+from surrogate.reliability.sampling import fitting_method, sampled
+from surrogate.reliability.solution import DesignPoint, Reliability
 from surrogate.reliability.subset import population
 from surrogate.space.space import Space
 
@@ -56,7 +56,7 @@ def _population(problem: Failure, space: Space, fit: Fit, seed: int) -> Populati
     if space.region is None:
         return population(state_of(problem, space, fit.predict), samples=POINTS, seed=seed)
     X = space.sample(POINTS, seed=seed)
-    g = problem.sign * (problem.limit - fit.predict(X))
+    g = problem.margin(fit.predict(X))
     return Population(X, np.full(POINTS, 1.0 / POINTS), g)
 
 

@@ -20,14 +20,14 @@ from scipy import linalg
 
 from surrogate.estimator import HasJoint, has_joint
 from surrogate.fitting.fit import Fit
-from surrogate.reliability.limit_state import coded_of
+from surrogate.reliability.estimate import Interval
+from surrogate.reliability.limit_state import coded_of, state_of
 from surrogate.reliability.problem import Failure
-from surrogate.reliability.sampling import sampled, state_of
+from surrogate.reliability.sampling import sampled
 from surrogate.reliability.subset import population
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
-Interval = tuple[float, float]
 
 #: Points of a level of the search for the region, and how far out it reaches, in deviations.
 POINTS, FAR = 2000, 3.0
@@ -51,10 +51,10 @@ def of_draws(
     rng = np.random.default_rng(seed)
     X = coded_of(space, inside[rng.permutation(len(inside))[:JOINT]])
     mean, drawn = _drawn(fit.estimator, X, rng)
-    own = int((problem.sign * (problem.limit - mean) <= 0.0).sum())
+    own = int((problem.margin(mean) <= 0.0).sum())
     if own < ENOUGH:
         return None
-    shares = (problem.sign * (problem.limit - drawn) <= 0.0).sum(axis=1) / own
+    shares = (problem.margin(drawn) <= 0.0).sum(axis=1) / own
     tail = 0.5 * (1.0 - confidence)
     low, high = np.quantile(shares, [tail, 1.0 - tail])
     return min(float(low), 1.0), max(float(high), 1.0)

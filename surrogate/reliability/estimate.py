@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from scipy.special import ndtri
 
 Array = NDArray[np.float64]
+#: Its two ends.
+Interval = tuple[float, float]
 
 
 @dataclass(frozen=True)

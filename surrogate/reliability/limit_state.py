@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from surrogate.errors import StudyError
-from surrogate.estimator import Predictor
+from surrogate.reliability.problem import Failure
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
+#: Coded points (m, d) -> values (m,).
+Function = Callable[[Array], Array]
 
 #: Keeps probabilities away from 1, where double precision ends (u = 8.2).
 LARGEST = 1.0 - 1e-16
@@ -45,20 +47,6 @@ def coded_of(space: Space, u: Array) -> Array:
     return space.quantile(np.minimum(ndtr(u), LARGEST))
 
 
-def limit_state(
-    predictor: Predictor, space: Space, limit: float, *, above: bool = True
-) -> LimitState:
-    """Failure where the prediction is above (or below) the limit."""
-    return of_function(predictor.predict, space, limit, above=above)
-
-
-def of_function(
-    function: Callable[[Array], Array], space: Space, limit: float, *, above: bool = True
-) -> LimitState:
-    """Failure where a function of coded points (m, d) is above (or below) the limit."""
-    sign = 1.0 if above else -1.0
-
-    def g(u: Array) -> Array:
-        return np.asarray(sign * (limit - function(coded_of(space, u))))
-
-    return LimitState(space.size, g)
+def state_of(problem: Failure, space: Space, function: Function) -> LimitState:
+    """The limit state of a function of coded points."""
+    return LimitState(space.size, lambda u: problem.margin(function(coded_of(space, u))))

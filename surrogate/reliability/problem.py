@@ -5,6 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
 AUTO = "auto"
 METHODS = (AUTO, "crude", "importance", "subset")
 
@@ -25,6 +30,10 @@ class Failure:
     unit: str = ""
     surrogate: str = "best"
     method: str = AUTO
+
+    def margin(self, values: Array) -> Array:
+        """How far values (m,) of the output stay on the safe side; 0 or less is failure."""
+        return np.asarray(self.sign * (self.limit - values))
 
     def __str__(self) -> str:
         side = "above" if self.sign > 0 else "below"

@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-import numpy as np
-from numpy.typing import NDArray
-
 from surrogate.reliability.crude import crude, of_count
 from surrogate.reliability.estimate import Estimate
-from surrogate.reliability.limit_state import LimitState, of_function
+from surrogate.reliability.limit_state import Function, state_of
 from surrogate.reliability.problem import AUTO, Failure
 from surrogate.reliability.subset import subset
 from surrogate.space.space import Space
-
-Array = NDArray[np.float64]
-#: Coded points (m, d) -> values (m,).
-Function = Callable[[Array], Array]
 
 #: Points by which the size of a probability is seen; failures among them that suffice.
 PILOT, FREQUENT = 2**14, 100
@@ -24,11 +15,6 @@ PILOT, FREQUENT = 2**14, 100
 POINTS, CONSTRAINED = 2**18, 2**17
 #: Points of a level of subset simulation, and its repeats.
 LEVEL, REPEATS = 5000, 10
-
-
-def state_of(problem: Failure, space: Space, function: Function) -> LimitState:
-    """The limit state of a function of coded points."""
-    return of_function(function, space, problem.limit, above=problem.sign > 0)
 
 
 def fitting_method(problem: Failure, space: Space, function: Function, seed: int = 0) -> str:
@@ -61,7 +47,7 @@ def sampled(
     """
     if space.region is not None:
         values = function(space.sample(CONSTRAINED, seed=seed))
-        failures = int((problem.sign * (problem.limit - values) <= 0.0).sum())
+        failures = int((problem.margin(values) <= 0.0).sum())
         return of_count(failures, CONSTRAINED, confidence)
     state = state_of(problem, space, function)
     if method == "crude":

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.reliability.estimate import Estimate
+from surrogate.reliability.estimate import Estimate, Interval
 from surrogate.reliability.problem import Failure
 
 Array = NDArray[np.float64]
-Interval = tuple[float, float]
 _HOW = {
     "crude": "crude Monte Carlo",
     "importance": "importance sampling",

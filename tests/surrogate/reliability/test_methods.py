@@ -10,7 +10,8 @@ from surrogate.errors import StudyError
 from surrogate.reliability.crude import crude
 from surrogate.reliability.form import form
 from surrogate.reliability.importance import importance
-from surrogate.reliability.limit_state import LimitState, coded_of, limit_state
+from surrogate.reliability.limit_state import LimitState, coded_of, state_of
+from surrogate.reliability.problem import Failure
 from surrogate.reliability.subset import population, subset
 from surrogate.space.constraint_text import parse
 from surrogate.space.distributions import distribution
@@ -138,14 +139,13 @@ def test_dependent_inputs_keep_their_copula() -> None:
     laws = [Parameter(n, distribution("normal", mean=0.0, std=1.0)) for n in ("a", "b")]
     space = Space(tuple(laws), ((1.0, 0.8), (0.8, 1.0)))
 
-    class Total:
-        def predict(self, X: np.ndarray) -> np.ndarray:
-            physical = space.decode(X)
-            return np.asarray(physical["a"] + physical["b"])
+    def total(X: np.ndarray) -> np.ndarray:
+        physical = space.decode(X)
+        return np.asarray(physical["a"] + physical["b"])
 
-    found = form(limit_state(Total(), space, 6.0))
+    found = form(state_of(Failure("f", "y", 6.0), space, total))
     assert found.beta == pytest.approx(6.0 / np.sqrt(3.6), abs=1e-3)
-    below = form(limit_state(Total(), space, -6.0, above=False))
+    below = form(state_of(Failure("f", "y", -6.0, sign=-1), space, total))
     assert below.beta == pytest.approx(6.0 / np.sqrt(3.6), abs=1e-3)
 
 
