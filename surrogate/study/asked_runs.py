@@ -79,6 +79,8 @@ class AskedRuns:
     @property
     def states(self) -> dict[str, State]:
         """What each adaptive design has chosen and found, as the folder holds it now."""
+        if not self.rules:
+            return {}
         stored = [file.runs for file in self.stored_runs]
         return states(self.rules, self.designs, self.folder, stored)
 
@@ -96,7 +98,7 @@ class AskedRuns:
         """The same with the points that adaptive designs have chosen since."""
         new = {
             name: self.designs[name].with_chosen(state.points)
-            for name, state in (self.states if self.rules else {}).items()
+            for name, state in self.states.items()
             if len(state.points) != self.designs[name].chosen
         }
         return replace(self, designs={**self.designs, **new}) if new else self
@@ -145,7 +147,7 @@ class AskedRuns:
             for level in design.levels or [truth] * len(design.coded)
         ]
 
-    @property
+    @cached_property
     def columns(self) -> dict[str, NDArray[Any]]:
         """Inputs that vary, name -> (run,), in physical values."""
         columns = physical_columns(self.space, self.points)
@@ -290,13 +292,12 @@ class AskedRuns:
             "progress": progress,
             "rerun": rerun,
         }
-        columns = self.columns
         taken: dict[str, Any] = {"others": self._neighbours(), "given": self.given}
         if isinstance(executor, Shared):
             if fresh:
                 raise StudyError("--fresh is for one worker; choose executor: local for it")
             how |= {"growth": growth, "lease": executor.lease}
-            work(self.spec, columns, journal=self.journal, **how, **taken)
+            work(self.spec, self.columns, journal=self.journal, **how, **taken)
             return read_journal(self.journal)
         busy = at_work(self.journal)
         if busy:
@@ -309,16 +310,16 @@ class AskedRuns:
                 tell(sentence)
             if fresh:
                 tables = self.matching(file for file in self.stored_runs if file.tabulated)
-                execute_fresh(self.spec, columns, book, **how, given=tables, executor=executor)
+                execute_fresh(self.spec, self.columns, book, **how, given=tables, executor=executor)
             if growth or not fresh:
                 how |= {"growth": growth, "executor": executor}
-                execute(self.spec, columns, journal=book, **how, **taken)
+                execute(self.spec, self.columns, journal=book, **how, **taken)
             return book.now
 
     def keep(self) -> None:
         """Write the points of searches and of adaptive designs into the folder, once."""
         keep(self.designs, self.folder)
-        for name, state in self.states.items() if self.rules else ():
+        for name, state in self.states.items():
             kept(self.folder, self.rules[name]).write(len(self.designs[name].initial), state)
 
     def _neighbours(self) -> list[Path]:

@@ -17,7 +17,6 @@ import time
 import weakref
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import islice
 from pathlib import Path
 from types import TracebackType
@@ -36,6 +35,7 @@ from surrogate.runs.identity import RunInputs
 from surrogate.runs.journal import Journal, JournalContents
 from surrogate.runs.record import Record
 from surrogate.runs.stored import KnownRuns
+from surrogate.study.asked_runs import AskedRuns
 from surrogate.study.growing import Growing
 from surrogate.study.study import Study
 
@@ -81,6 +81,7 @@ class Campaign(Carded):
         self._end = weakref.finalize(self, self._journal.__exit__, None, None, None)
         self._shared, self._name = SharedFolder(self._runs.journal), CAMPAIGN + own_name()
         self._seen = self._shared.segment_lengths()
+        self._points = _points(self._runs)
         self._open = dict(self._points)
         self._drop_done(self._journal.contents)
         self._growing = Growing(self._runs) if self.study.rules else None
@@ -157,8 +158,7 @@ class Campaign(Carded):
         added = self._growing.more(known.ended, free)
         if added:
             self._runs = self._growing.asked
-            for name in ("_points", "_columns"):
-                self.__dict__.pop(name, None)
+            self._points = _points(self._runs)
             self._open |= {key: self._points[key] for key in added}
             self._drop_done(known.journal)
 
@@ -231,23 +231,6 @@ class Campaign(Carded):
         """The runs dataset as far as answers go; the rest is 'missing'."""
         return self._runs.dataset()
 
-    @cached_property
-    def _points(self) -> dict[str, Point]:
-        """Every point of every design by its key; equal points of deterministic solvers once."""
-        names = np.repeat(
-            list(self._runs.designs), [len(coded) for coded in self._runs.points.values()]
-        )
-        found: dict[str, Point] = {}
-        for key, design, call in zip(self._runs.keys, names, self._runs.calls, strict=True):
-            inputs = {name: call[name] for name in self.study.spec.solver.inputs}
-            found.setdefault(key, Point(key, str(design), inputs))
-        return found
-
-    @cached_property
-    def _columns(self) -> dict[str, NDArray[Any]]:
-        """Physical values of all points, name -> (run,)."""
-        return self._runs.columns
-
     def _answers(
         self, given: Sequence[Any], outputs: Any, failed: str | None, several: bool
     ) -> list[Any]:
@@ -318,7 +301,7 @@ class Campaign(Carded):
         if mistakes:
             raise StudyError(*mistakes)
         hits = np.ones(len(self._runs.keys), dtype=bool)
-        for name, column in self._columns.items():
+        for name, column in self._runs.columns.items():
             hits &= _same(column, values[name])
         found = list(dict.fromkeys(self._runs.keys[row] for row in np.flatnonzero(hits)))
         if not found:
@@ -341,7 +324,7 @@ class Campaign(Carded):
         for name in values:
             if name not in inputs:
                 yield f"the solver has no input '{name}'; {nearest(name, inputs)}"
-        for name in self._columns:
+        for name in self._runs.columns:
             if name not in values:
                 yield f"there is no value for '{name}'; give one for each parameter"
         for name, value in values.items():
@@ -349,7 +332,7 @@ class Campaign(Carded):
                 continue
             if not inputs[name].levels and not _is_number(value):
                 yield f"{name}: {value!r} is not a number; give it in {inputs[name].unit or '1'}"
-            elif name not in self._columns and not _same(np.array([fixed[name]]), value).all():
+            elif name not in self._runs.columns and not _same(np.array([fixed[name]]), value).all():
                 yield f"{name}: {value} was told, but this study holds it at {fixed[name]}"
 
 
@@ -362,6 +345,16 @@ def _same(column: NDArray[Any], value: Any) -> NDArray[np.bool_]:
     if column.dtype.kind in "US":
         return np.asarray(column == str(value))
     return np.asarray(np.abs(column - float(value)) <= SAME * np.abs(column).max())
+
+
+def _points(runs: AskedRuns) -> dict[str, Point]:
+    """Every point of every design by its key; equal points of deterministic solvers once."""
+    names = np.repeat(list(runs.designs), [len(coded) for coded in runs.points.values()])
+    found: dict[str, Point] = {}
+    for key, design, call in zip(runs.keys, names, runs.calls, strict=True):
+        inputs = {name: call[name] for name in runs.spec.solver.inputs}
+        found.setdefault(key, Point(key, str(design), inputs))
+    return found
 
 
 def _said(inputs: Mapping[str, Any]) -> str:
