@@ -19,7 +19,7 @@ from surrogate.adaptive.aim import (
 from surrogate.adaptive.answers import Answers, processes
 from surrogate.adaptive.candidates import candidates
 from surrogate.adaptive.choose import worthiest
-from surrogate.adaptive.limit_state import UNSURE, deviations_away
+from surrogate.adaptive.expected_feasibility import UNSURE, deviations_away
 from surrogate.adaptive.worth import Worth, prediction
 from surrogate.errors import FitError
 from surrogate.fitting.fit import Fit, fit, rmse

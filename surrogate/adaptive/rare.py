@@ -25,8 +25,8 @@ from scipy.spatial import cKDTree
 
 from surrogate.adaptive.aim import Aim, Review
 from surrogate.adaptive.answers import Answers, process_for, processes
+from surrogate.adaptive.expected_feasibility import UNSURE
 from surrogate.adaptive.expected_improvement import density, positive
-from surrogate.adaptive.limit_state import UNSURE
 from surrogate.adaptive.variance import covariances
 from surrogate.adaptive.worth import prediction
 from surrogate.regressors.gaussian_process import GaussianProcess

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from surrogate.adaptive.aim import ACCURACY, INDEX_WIDTH, OPTIMUM, TARGET, Aim
 from surrogate.adaptive.contour import contour_improvement
+from surrogate.adaptive.expected_feasibility import expected_feasibility
 from surrogate.adaptive.expected_improvement import expected_improvement
 from surrogate.adaptive.index_variance import total_index_weights
-from surrogate.adaptive.limit_state import expected_feasibility
 from surrogate.adaptive.variance import taken
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.space.space import Space

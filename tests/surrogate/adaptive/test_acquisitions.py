@@ -6,9 +6,9 @@ from scipy import stats
 from scipy.integrate import quad
 
 from surrogate.adaptive.contour import contour_improvement
+from surrogate.adaptive.expected_feasibility import deviations_away, expected_feasibility
 from surrogate.adaptive.expected_improvement import expected_improvement
 from surrogate.adaptive.index_variance import total_index_weights
-from surrogate.adaptive.limit_state import deviations_away, expected_feasibility
 from surrogate.adaptive.variance import covariances, taken
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.space.distributions import uniform
