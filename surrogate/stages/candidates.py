@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 import xarray as xr
 
@@ -13,7 +13,7 @@ from surrogate.solving.problem import Problem
 from surrogate.solving.solution import Solution
 from surrogate.space.space import Space
 from surrogate.stages.fits import Fits
-from surrogate.stages.stage import Job, Result
+from surrogate.stages.stage import Job
 
 
 def jobs(
@@ -61,14 +61,3 @@ def fits_for(problem: Problem, fits: Fits, comparison: xr.Dataset | None) -> dic
     offered = dict.fromkeys(output for by_output in fits.values() for output in by_output)
     found = comparing.chosen(problem.surrogate, best, fits)
     return {output: found[output] for output in problem.outputs(offered) if output in found}
-
-
-def gather(done: Iterable[tuple[Job, Result]]) -> Result:
-    """Solutions by the name of their problem, and why others could not be had."""
-    found: dict[str, Solution] = {}
-    lost: list[str] = []
-    for job, result in done:
-        if result.value is not None:
-            found[job.arguments["problem"].name] = result.value
-        lost += result.not_done
-    return Result(found, tuple(lost))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from surrogate.reliability.problem import Failure
 from surrogate.reliability.solution import Reliability
 from surrogate.space.space import Space
 from surrogate.stages.fits import Fits
-from surrogate.stages.stage import Job, Result
+from surrogate.stages.stage import Job
 from surrogate.stages.summary import json_data
 
 Reliabilities = Mapping[str, Reliability]
@@ -47,17 +47,6 @@ def probability(problem: Failure, space: Space, fit: Fit | None) -> Reliability:
     from surrogate.reliability.analyse import analyse  # scipy.optimize: not for other studies
 
     return analyse(problem, space, fit)
-
-
-def gather(done: Iterable[tuple[Job, Result]]) -> Result:
-    """Answers by the name of their failure, and why others could not be had."""
-    found: dict[str, Reliability] = {}
-    lost: list[str] = []
-    for job, result in done:
-        if result.value is not None:
-            found[job.arguments["problem"].name] = result.value
-        lost += result.not_done
-    return Result(found, tuple(lost))
 
 
 def figures(found: Reliabilities) -> dict[str, Any] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -32,6 +32,17 @@ class Job:
     function: Callable[..., Any]
     arguments: Mapping[str, Any]
     made_from: str = ""
+
+
+def by_problem(done: Iterable[tuple[Job, Result]]) -> Result:
+    """Answers by the name of the problem of their job, and why others could not be had."""
+    found: dict[str, Any] = {}
+    lost: list[str] = []
+    for job, result in done:
+        if result.value is not None:
+            found[job.arguments["problem"].name] = result.value
+        lost += result.not_done
+    return Result(found, tuple(lost))
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,7 @@ from surrogate.stages.replicates import replicates
 from surrogate.stages.report import report
 from surrogate.stages.scene import scene
 from surrogate.stages.screening import screening
-from surrogate.stages.stage import Files, Stage
+from surrogate.stages.stage import Files, Stage, by_problem
 from surrogate.stages.summary import figures_by_output, figures_of, json_data, summary, text
 from surrogate.stages.validation import validation
 
@@ -170,7 +170,7 @@ STAGES = (
         reads=("problems", "space", "recorded"),
         needs=("fits", "comparison"),
         jobs=candidates.jobs,
-        does=candidates.gather,
+        does=by_problem,
     ),
     Stage(
         "solve",
@@ -186,7 +186,7 @@ STAGES = (
         reads=("limits", "space"),
         needs=("fits", "comparison"),
         jobs=reliability.jobs,
-        does=reliability.gather,
+        does=by_problem,
         files=_netcdf("reliability.nc", reliability.tree),
         figures=reliability.figures,
     ),
