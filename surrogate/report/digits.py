@@ -215,6 +215,11 @@ def squared(sentence: str) -> str:
     return re.sub(r"\b([QR])2\b", r"\1²", sentence)
 
 
+def capital(words: str) -> str:
+    """The words with a capital first letter, for the start of a sentence."""
+    return words[:1].upper() + words[1:]
+
+
 def quantity(count: int, one: str, many: str = "") -> str:
     """`1 run`, `3 runs`."""
     return f"{count} {one if count == 1 else many or one + 's'}"

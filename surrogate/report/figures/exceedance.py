@@ -47,7 +47,7 @@ def exceedance_plot(found: Reliability, label: str) -> Plot:
         HEIGHT,
         *marks,
         title=f"{problem.name}: probability of {problem.output} {side} a value",
-        says=f"{str(found)[:1].upper()}{str(found)[1:]}.",
+        says=f"{digits.capital(str(found))}.",
         numbers=(
             column(label, values),
             column(f"probability {side}", [digits.figure(one) for one in shares]),

@@ -146,7 +146,7 @@ def margin(content: Content, output: str) -> str:
         return ""
     words = digits.squared(str(table["sentence"].sel(output=output).item()))
     words = words.removeprefix(f"{output}: ")
-    return words[:1].upper() + words[1:]
+    return digits.capital(words)
 
 
 def runner_up(content: Content, output: str) -> str:

@@ -19,7 +19,7 @@ def section(grown: Mapping[str, Grown]) -> Section:
     blocks: list[Block] = []
     for name, one in grown.items():
         blocks.append(Text(f"Design {name}: {digits.squared(str(one.outcome))}.", "lead"))
-        blocks += [Text(f"{sentence[:1].upper()}{sentence[1:]}.", "note") for sentence in one.paid]
+        blocks += [Text(f"{digits.capital(sentence)}.", "note") for sentence in one.paid]
         if one.outcome.reviews:
             blocks += _reviews(name, one.outcome)
     return Section("adaptive", "Points chosen from the answers", tuple(blocks))
@@ -40,7 +40,7 @@ def _reviews(name: str, one: Outcome) -> list[Block]:
         )
         level = " Level line: the goal." if math.isfinite(one.goal) else ""
         caption = (
-            f"{figure[:1].upper()}{figure[1:]} against the number of runs that had ended, judged "
+            f"{digits.capital(figure)} against the number of runs that had ended, judged "
             f"by a Gaussian process; the first {one.initial} runs were there before.{level}"
         )
         blocks.append(Figures((Figure(plot, caption),)))

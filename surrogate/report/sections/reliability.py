@@ -39,7 +39,7 @@ def _failure(content: Content, found: Reliability) -> list[Block]:
         "Disc: the answer with its 95 % interval."
     )
     blocks: list[Block] = [
-        Text(f"{said[:1].upper()}{said[1:]}.", "lead"),
+        Text(f"{digits.capital(said)}.", "lead"),
         Figures((Figure(exceedance_plot(found, label), caption),)),
         _parts(found),
     ]

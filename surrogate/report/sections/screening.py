@@ -96,18 +96,14 @@ def _verdicts(content: Content, decision: Screening) -> Table:
         else ""
     )
     return Table(
-        f"The decision on each parameter.{several} {_capital(decision.index)}: its value, and "
-        "the upper end of its interval, which decides. Worst case: largest possible "
+        f"The decision on each parameter.{several} {digits.capital(decision.index)}: its value, "
+        "and the upper end of its interval, which decides. Worst case: largest possible "
         f"{'total ' if decision.index == TOTAL else ''}index of the solver itself, if all "
         "variance that the surrogate misses were due to this parameter. One-at-a-time shares "
         "are shown for comparison only.",
         tuple(Head(title, numeric=k in (2, 3, 4)) for k, title in enumerate(titles)),
         rows,
     )
-
-
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]
 
 
 def _row(content: Content, verdict: Verdict) -> tuple[Cell, ...]:
@@ -126,7 +122,7 @@ def _row(content: Content, verdict: Verdict) -> tuple[Cell, ...]:
 def _reason(verdict: Verdict) -> str:
     """The verdict's sentence without the parameter's name, which stands at the row's head."""
     words = verdict.sentence.removeprefix(f"{verdict.parameter}: ")
-    return _capital(words)
+    return digits.capital(words)
 
 
 def _decision(content: Content, verdict: Verdict) -> str:

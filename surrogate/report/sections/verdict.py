@@ -185,7 +185,7 @@ def _what_matters(content: Content, output: str) -> Figure | None:
         if len(shown) == 2
         else f"{next(iter(shown.values()))}."
     )
-    what = what[:1].upper() + what[1:]
+    what = digits.capital(what)
     bars = f" Whiskers: {confidence} intervals." if np.isfinite(series[-1].low).any() else ""
     return Figure(
         index_bars(
@@ -252,7 +252,7 @@ def _what_may_be_frozen(content: Content, output: str) -> Figure | None:
             trusted=not decision.refused,
             height=HEIGHT,
         ),
-        f"{what[:1].upper()}{what[1:]} with its {digits.percent(decision.confidence)} interval. "
+        f"{digits.capital(what)} with its {digits.percent(decision.confidence)} interval. "
         f"Dashed: limit {digits.number(decision.freeze_below)}. Open: may be frozen.{reason}",
         stamp=STAMP if decision.refused else "",
         question="What may be frozen?",
