@@ -1,17 +1,23 @@
-"""What the verbs of `leg-bandage` share: options, tables, files that can be written."""
+"""What the verbs of `leg-bandage` share: options, tables and sentences, files to write."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from rich.console import Console
 from rich.table import Table
+from threadpoolctl import threadpool_limits
+
+from surrogate.errors import nearest
 
 from .bandage.products import BANDAGES
+from .equilibrium.model import MESHES
 from .prediction import BandageChoiceError
-from .scan import ScanError
+from .scan import FittedScan, ScanError, fit_scan
 from .scan.marks import DIRECTIONS
 
 Side = Annotated[
@@ -79,6 +85,45 @@ StudyFile = Annotated[
 Mesh = Annotated[str | None, typer.Option(help="For --solve: coarse (default), medium or fine.")]
 
 
+@dataclass(frozen=True)
+class ScanOptions:
+    """What the user said of a scan; the fields are the options of the same names."""
+
+    side: str
+    unit: str | None
+    up: str | None
+    front: str | None
+    landmark: list[str] | None
+    length: float | None
+    ends: bool
+
+    def fit(self, scan: Path, **learnt: Any) -> FittedScan:
+        """The fitted scan; learnt: basis and lengths in place of those that ship."""
+        with threadpool_limits(1):  # its matrices are small
+            return fit_scan(
+                scan,
+                side=self.side,
+                unit=self.unit,
+                up=self.up,
+                front=self.front,
+                landmarks=self.landmark or (),
+                length=self.length,
+                ends=self.ends,
+                **learnt,
+            )
+
+
+def mesh_to_solve(mesh: str | None, solve: bool) -> str | None:
+    """The mesh of the model that --solve runs, None without; raises BandageChoiceError."""
+    if mesh is not None and not solve:
+        raise BandageChoiceError(
+            f"--mesh {mesh} is that of the model which --solve runs; add --solve"
+        )
+    if mesh is not None and mesh not in MESHES:
+        raise BandageChoiceError(f"mesh: {mesh!r} is unknown: {nearest(mesh, MESHES)}")
+    return (mesh or "coarse") if solve else None
+
+
 def two_pressures(option: str, words: str) -> tuple[float, float]:
     """Two pressures, mmHg, from `40:17`; raises BandageChoiceError."""
     try:
@@ -100,6 +145,16 @@ def table(headings: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Table:
     for row in rows:
         made.add_row(*row)
     return made
+
+
+def say(console: Console, words: str) -> None:
+    """A sentence as it is: nothing coloured, read as markup or broken into lines."""
+    console.print(words, highlight=False, markup=False, soft_wrap=True)
+
+
+def write(page: Path, text: str) -> None:
+    """A page into its file; names of files in it need not be UTF-8."""
+    page.write_text(text, encoding="utf-8", errors="backslashreplace")
 
 
 def reachable(*paths: Path | None) -> None:

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from threadpoolctl import threadpool_limits
 
 from .options import (
     AsJson,
@@ -22,19 +21,21 @@ from .options import (
     Mesh,
     MuSkin,
     Scan,
+    ScanOptions,
     Side,
     StudyFile,
     Tension,
     Unit,
     Up,
+    mesh_to_solve,
+    say,
     table,
     two_pressures,
 )
 from .prediction import PUBLISHED, BandageChoiceError, Reduced, choose_bandage, predict_pressure
 from .prediction.compression_class import BS, RAL, STANDARDS
-from .prediction.plan import Plan, plan_wrapping, stretch_of_ends
+from .prediction.plan import Plan, check_plan, plan_wrapping, stretch_of_ends
 from .prediction.pressure import Prediction, Solved, solve_on
-from .scan import fit_scan
 
 
 def plan_verb(
@@ -75,27 +76,19 @@ def plan_verb(
     as_json: AsJson = False,
 ) -> None:
     """Plan stretch and overlap for a pressure at B1, with the probability of keeping its class."""
-    if (mesh is not None or graduated) and not solve:
-        raise BandageChoiceError("--mesh and --graduated are for --solve; add it")
+    if graduated and not solve:
+        raise BandageChoiceError("--graduated is for --solve; add --solve")
+    solved_on = mesh_to_solve(mesh, solve)
     hand = None if known_hand else PUBLISHED
     choice = choose_bandage(bandage, tension, mu_skin=mu_skin, hand=hand)
     kept = None if within is None else two_pressures("--within", within)
     asked, down = _standard(standard), two_pressures("--gradient", gradient)
+    check_plan(target, kept, overlap)
+    said = ScanOptions(side, unit, up, front, landmark, length, ends)
     reduced = Reduced.read(study)
-    with threadpool_limits(1):  # its matrices are small
-        fitted = fit_scan(
-            scan,
-            side=side,
-            unit=unit,
-            up=up,
-            front=front,
-            landmarks=landmark or (),
-            length=length,
-            ends=ends,
-        )
-    told = predict_pressure(fitted, choice, reduced, gradient=down)
+    told = predict_pressure(said.fit(scan), choice, reduced, gradient=down)
     plan = plan_wrapping(told, target, standard=asked, within=kept, overlap=overlap, gradient=down)
-    solved = _verified(told, plan, mesh or "coarse", graduated) if solve else None
+    solved = None if solved_on is None else _verified(told, plan, solved_on, graduated)
     if as_json:
         print(json.dumps(plan_figures(told, plan, solved), indent=1))
     else:
@@ -152,32 +145,31 @@ def plan_figures(told: Prediction, plan: Plan, solved: Solved | None) -> dict[st
         else {
             "mesh": solved.mesh,
             "value": solved.value,
-            "inside": bool(low - 0.5 <= solved.value < high + 0.5),
+            "inside": plan.holds(solved.value),
             "seconds": solved.seconds,
         },
     }
 
 
 def _show(told: Prediction, plan: Plan, solved: Solved | None, console: Console) -> None:
-    def say(words: str) -> None:
-        console.print(words, highlight=False, markup=False, soft_wrap=True)
-
     best, (low, high) = plan.best, plan.within
     kept = f"{low:g} to {high:g} mmHg" if high < float("inf") else f"{low:g} mmHg and more"
     name = f"{plan.standard} class {plan.class_name}, {kept}" if plan.standard else kept
     say(
+        console,
         f"{told.scan.side} leg; for {plan.target:g} mmHg at B1 lay "
         f"{told.choice.bandage or 'the bandage'} at stretch {best.stretch:.2f} with overlap "
-        f"{best.overlap:.2f} ({best.layers:.1f} layers)."
+        f"{best.overlap:.2f} ({best.layers:.1f} layers).",
     )
     say(
+        console,
         f"It is then in {name}, with probability {best.probability:.2f}; 95 % of the draws "
-        f"over friction, hand and leg: {best.low:.1f} .. {best.high:.1f} mmHg.\n"
+        f"over friction, hand and leg: {best.low:.1f} .. {best.high:.1f} mmHg.\n",
     )
     some = plan.others[:: max(len(plan.others) // 4, 1)]
     rows = [(f"{one.overlap:.2f}", f"{one.stretch:.2f}", f"{one.probability:.2f}") for one in some]
     console.print(table(("overlap", "stretch", "probability"), rows))
-    say("")
+    say(console, "")
     points = [
         (
             one.point,
@@ -190,15 +182,22 @@ def _show(told: Prediction, plan: Plan, solved: Solved | None, console: Console)
     ]
     headings = ("point", "height, mm", "target, mmHg", "at one stretch", "stretch for it")
     console.print(table(headings, points))
-    say("\n- Pressures in the last table are means around the leg, by the girth (tape measure).")
+    say(
+        console,
+        "\n- Pressures in the last table are means around the leg, by the girth (tape measure).",
+    )
     if plan.extrapolates:
-        say("- Its tension is beyond the stored runs: pressure is taken in proportion to tension.")
-    if solved is not None:
-        inside = low - 0.5 <= solved.value < high + 0.5
         say(
+            console,
+            "- Its tension is beyond the stored runs: pressure is taken in proportion to tension.",
+        )
+    if solved is not None:
+        inside = "inside" if plan.holds(solved.value) else "OUTSIDE"
+        say(
+            console,
             f"- Finite elements, {solved.mesh}, mu_skin {told.choice.mu_skin:g}: "
-            f"{solved.value:.1f} mmHg at B1, {'inside' if inside else 'OUTSIDE'}; "
-            f"{solved.seconds:.0f} s."
+            f"{solved.value:.1f} mmHg at B1, {inside}; "
+            f"{solved.seconds:.0f} s.",
         )
     for note in told.scan.notes:
-        say(f"- {note}")
+        say(console, f"- {note}")

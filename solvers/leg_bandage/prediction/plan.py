@@ -92,6 +92,15 @@ class Plan:
     along: tuple[LocalStretch, ...]
     extrapolates: bool
 
+    def holds(self, pressure: float) -> bool:
+        """Whether a pressure, mmHg, is within the ends."""
+        return bool(_inside(np.asarray(pressure), self.within))
+
+
+def _inside(pressure: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
+    """Whether pressures, in whole mmHg as standards print them, are within both ends."""
+    return np.asarray((pressure >= ends[0] - 0.5) & (pressure < ends[1] + 0.5))
+
 
 def plan_wrapping(
     told: Prediction,
@@ -107,9 +116,9 @@ def plan_wrapping(
     within   mmHg: ends in place of those of the class of a standard that the target is in
     overlap  the one to lay; default: the surest between half and two thirds
     """
+    check_plan(target, within, overlap)
     asked = nearest_class(target, standard)
     ends = within or (asked.low, asked.high)
-    _check(target, ends, overlap)
     if all(point.name != "B1" for point in told.points):
         raise BandageChoiceError(
             "the leg has no point B1 to plan a pressure at; scan up to the calf"
@@ -139,11 +148,15 @@ def plan_wrapping(
     )
 
 
-def _check(target: float, ends: tuple[float, float], overlap: float | None) -> None:
+def check_plan(target: float, within: tuple[float, float] | None, overlap: float | None) -> None:
+    """Raise BandageChoiceError for what no leg can have."""
     if not 5 <= target <= 100:
         raise BandageChoiceError(f"target: {target:g} mmHg is not between 5 and 100")
-    if not 0 <= ends[0] < ends[1]:
-        raise BandageChoiceError(f"within: {ends[0]:g} to {ends[1]:g} mmHg is no range")
+    if within is not None and not 0 <= within[0] < within[1]:
+        raise BandageChoiceError(
+            f"within: {within[0]:g} to {within[1]:g} mmHg is no range; "
+            "give the lower pressure first"
+        )
     if overlap is not None and not 0.2 <= overlap <= 0.75:
         raise BandageChoiceError(
             f"overlap: {overlap:g} is not between 0.2 and 0.75; it is the share of the width that "
@@ -248,9 +261,8 @@ def _hitting(
             high = middle
     stretch = (low + high) / 2
     pressed = draws.pressures(stretch, overlap)
-    inside = (pressed >= ends[0] - 0.5) & (pressed < ends[1] + 0.5)  # whole mmHg, as printed
     median, *both = (float(end) for end in np.quantile(pressed, [0.5, 0.025, 0.975]))
-    return Wrapping(stretch, overlap, median, *both, float(inside.mean()))
+    return Wrapping(stretch, overlap, median, *both, float(_inside(pressed, ends).mean()))
 
 
 def _along(

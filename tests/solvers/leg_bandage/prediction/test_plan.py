@@ -136,6 +136,21 @@ def test_command(command, scan_file, told):
     assert status == 2 and "is neither RAL" in err
 
 
+@pytest.mark.parametrize(
+    "words, sentence",
+    [
+        (("--target", -5), "target: -5 mmHg is not between 5 and 100"),
+        (("--target", 40, "--overlap", 50), "half is 0.5"),
+        (("--target", 40, "--solve", "--mesh", "corse"), "did you mean 'coarse'"),
+        (("--target", 40, "--mesh", "coarse"), "add --solve"),
+        (("--target", 40, "--graduated"), "add --solve"),
+    ],
+)
+def test_wrong_words_are_told_before_the_scan_is_read(command, words, sentence):
+    status, out, err = command("plan", "no_such_scan.stl", "--bandage", "biflex_17", *words)
+    assert (status, out) == (2, "") and sentence in err and "no_such_scan" not in err
+
+
 def test_stretch_that_does_not_change_is_the_one_stretch(rough_result, rough, solved_once):
     """The same digits; outside of the range it is refused."""
     same = LegBandage(mesh="rough").run(stretch_free=1.3)
