@@ -169,23 +169,49 @@ def _stood(
     unit: str,
     notes: tuple[str, ...],
 ) -> FittedScan:
-    """A settled leg turned to what is known of its directions, cut and fitted."""
+    """A settled leg turned to what is known of its directions, cut and fitted.
+
+    Raises ScanError when the modes miss too much.
+    """
     body, cuts, known = leg.body, leg.cuts, options.known
     if known.up is not None:
         body = stand(body, cuts.levels, known)
         cuts = find_cuts(body, start.zone, options.length, options.ends)
     body, front = turned_to_front(body, cuts.ankle, known, options.marks)
     sections = standing_sections(body, cuts)
-    notes = (
-        *notes,
-        leg.note,
-        _about_pose(known),
-        about_front(front),
-        *cuts.notes,
-        *_about_holes(sections),
+    fitted, error = nearest_leg(sections, basis)
+    scanned = Leg.from_sections(fitted.length, sections.series, sections.centre)
+    return FittedScan(
+        path,
+        fitted,
+        scanned,
+        sections,
+        fitted.length,
+        fitted.alphas or (),
+        _ranges(basis, lengths),
+        error,
+        leg.side,
+        unit,
+        (
+            *unlike(scanned, error.rms),
+            *notes,
+            leg.note,
+            _about_pose(known),
+            about_front(front),
+            *cuts.notes,
+            *_about_holes(sections),
+            *_possible(fitted, "fitted"),
+            *_possible(scanned, "scanned"),
+        ),
+        knee_of(body, cuts),
+        front,
     )
-    fitted = _fitted(path, sections, basis, lengths, leg.side, unit, notes)
-    return replace(fitted, knee=knee_of(body, cuts), front=front)
+
+
+def _ranges(basis: Basis, lengths: tuple[float, float]) -> dict[str, tuple[float, float]]:
+    """Of length and alpha1 ... among the legs of the basis."""
+    alphas = ((float(low), float(high)) for low, high in basis.ranges)
+    return {"length": lengths, **{f"alpha{k}": pair for k, pair in enumerate(alphas, 1)}}
 
 
 def _shipped_lengths() -> tuple[float, float]:
@@ -236,42 +262,6 @@ def _start(body: Body, basis: Basis, unit: str | None) -> tuple[Start, str, str]
 def _about_holes(sections: Sections) -> tuple[str, ...]:
     holes = sections.missing.mean()
     return (f"holes make up {holes:.1%} of the skin; they are filled smoothly",) if holes else ()
-
-
-def _fitted(
-    path: Path,
-    sections: Sections,
-    basis: Basis,
-    lengths: tuple[float, float],
-    side: str,
-    unit: str,
-    notes: tuple[str, ...],
-) -> FittedScan:
-    """The leg of the sections and of the modes; raises ScanError when they miss too much."""
-    leg, error = nearest_leg(sections, basis)
-    ranges = {
-        "length": lengths,
-        **{f"alpha{k}": (float(low), float(high)) for k, (low, high) in enumerate(basis.ranges, 1)},
-    }
-    scanned = Leg.from_sections(leg.length, sections.series, sections.centre)
-    return FittedScan(
-        path,
-        leg,
-        scanned,
-        sections,
-        leg.length,
-        leg.alphas or (),
-        ranges,
-        error,
-        side,
-        unit,
-        (
-            *unlike(scanned, error.rms),
-            *notes,
-            *_possible(leg, "fitted"),
-            *_possible(scanned, "scanned"),
-        ),
-    )
 
 
 def _possible(leg: Leg, which: str) -> tuple[str, ...]:
