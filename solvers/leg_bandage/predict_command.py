@@ -37,10 +37,11 @@ from .options import (
     write,
 )
 from .prediction import PUBLISHED, Prediction, Reduced, choose_bandage, predict_pressure, summary
-from .prediction.folder import rows_of, scans_in, write_table
+from .prediction.folder import rows_of, write_table
 from .prediction.page import person_page
 from .prediction.summary_points import gradient_words, point_rows
 from .scan import FittedScan, ScanError
+from .scan.reading import FORMATS, scans_in
 
 
 def predict_verb(
@@ -115,7 +116,10 @@ def _predict_folder(
     if html is not None:
         raise ScanError(f"--html {html} is for one scan; leave it out for the folder {folder}")
     reachable(out)
-    done = write_table(out, _told_on_the_way(rows_of(scans_in(folder), fit, predict)))
+    files = scans_in(folder)
+    if not files:
+        raise ScanError(f"{folder}: holds no scan ({', '.join(FORMATS)})")
+    done = write_table(out, _told_on_the_way(rows_of(files, fit, predict)))
     good = sum(row["status"] == "ok" for row in done)
     print(f"{good} of {len(done)} scans answered; table: {out}")
 

@@ -15,6 +15,7 @@ from .interval import CONFIDENCE, Part, joined
 from .points import POINTS, Place
 from .reduced import Reduced
 from .shape import Shape, pressures
+from .shape_correction import size_not_passed
 
 FRICTIONS = 5
 GRADIENT = (40.0, 17.0)
@@ -147,12 +148,9 @@ def _errors() -> dict[str, np.ndarray]:
 def reading_error(name: str, carried: bool, confidence: float = CONFIDENCE) -> float:
     """Part of the pressure at B, C or D that is missed; carried: up from under two layers.
 
-    Of each kind the ceil(confidence (k + 1))-th smallest of k legs (Vovk 2015); the two are
-    independent.
+    The two kinds of errors are independent.
     """
-    sizes = [_errors()["B" if name == "B" else "C"]]
-    if carried:
-        sizes.append(_errors()[f"carried_{name}"])
-    ranks = (min(int(np.ceil(confidence * (len(one) + 1))), len(one)) - 1 for one in sizes)
-    parts = [float(one[rank]) for one, rank in zip(sizes, ranks, strict=True)]
-    return float(np.hypot(*parts)) if carried else parts[0]
+    read = size_not_passed(_errors()["B" if name == "B" else "C"], confidence)
+    if not carried:
+        return read
+    return float(np.hypot(read, size_not_passed(_errors()[f"carried_{name}"], confidence)))

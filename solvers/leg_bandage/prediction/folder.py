@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from ..scan import FittedScan, ScanError
-from ..scan.reading import FORMATS
 from .points import POINTS
 from .pressure import Prediction
 
@@ -18,16 +17,6 @@ COLUMNS = (
     *(f"{name}{end}" for name in POINTS if name != "B1" for end in ("", "_low", "_high")),
     "message",
 )
-
-
-def scans_in(folder: Path) -> list[Path]:
-    """The scans of a folder by name; raises ScanError for none."""
-    files = sorted(
-        path for path in folder.iterdir() if path.suffix.lower().removeprefix(".") in FORMATS
-    )
-    if not files:
-        raise ScanError(f"{folder}: holds no scan ({', '.join(FORMATS)})")
-    return files
 
 
 def rows_of(

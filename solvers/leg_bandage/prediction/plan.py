@@ -272,7 +272,7 @@ def _along(
 
     The tension, K1 (stretch - 1), goes with target times girth: Laplace's law of the tape measure.
     """
-    places = Shape(told.scan.scanned, told.scan.leg, told.scan.knee).places()
+    places = Shape.of(told.scan).places()
     b1, ends = places["B1"], (places["B"].height, places["D"].height)
     asked = {name: float(np.interp(place.height, ends, gradient)) for name, place in places.items()}
     for name, place in places.items():

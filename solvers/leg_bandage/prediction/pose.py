@@ -23,7 +23,7 @@ def other_shapes(scan: FittedScan, shape: Shape) -> dict[str, tuple[Shape, ...]]
         off = np.radians(scan.front.off)
         found["front"] = tuple(shape.turned(part * off) for part in (-1.0, -0.5, 0.5, 1.0))
     if scan.other is not None:
-        found["side"] = (Shape(scan.other.scanned, scan.other.leg, scan.other.knee),)
+        found["side"] = (Shape.of(scan.other),)
     return found
 
 

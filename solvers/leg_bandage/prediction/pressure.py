@@ -108,8 +108,7 @@ class Prediction:
 
     def rules(self) -> dict[str, RuleAtB1]:
         """B1 by each rule on the leg of the shape modes, and the pressure there."""
-        shape = Shape(self.scan.scanned, self.scan.leg, self.scan.knee)
-        return b1_by_rules(shape, self.reduced, self.choice)
+        return b1_by_rules(Shape.of(self.scan), self.reduced, self.choice)
 
     def curve(self) -> Curve:
         """Mean and range around the leg, along it: of `skin`."""
@@ -141,7 +140,7 @@ def predict_pressure(
     mesh      of the finite element model to solve beside, None for none
     gradient  mmHg at ankle and knee to set the points against
     """
-    shape = Shape(scan.scanned, scan.leg, scan.knee)
+    shape = Shape.of(scan)
     inputs = reduced.inputs(shape.coordinates, choice)
     laplace = {
         name: by_laplace_if_it_can(leg, choice.effective_tension)

@@ -12,6 +12,7 @@ from ..geometry.basis import shipped_basis
 from ..geometry.cohort import snapshot
 from ..geometry.landmarks import RULES, b1_height
 from ..geometry.leg import Leg
+from ..scan import FittedScan
 from .bandage_choice import BandageChoice
 from .points import Place, corrected, places, under_sensor
 from .reduced import Reduced
@@ -25,6 +26,11 @@ class Shape:
     scanned: Leg
     fitted: Leg
     knee: tuple[float, float] | None = None
+
+    @classmethod
+    def of(cls, scan: FittedScan) -> Shape:
+        """The leg of a scan."""
+        return cls(scan.scanned, scan.leg, scan.knee)
 
     @property
     def coordinates(self) -> dict[str, float]:

@@ -53,12 +53,13 @@ class ShapeLaw:
         return (laplace["scanned"] / laplace["fitted"]) ** self.exponent
 
     def error(self, corrected: bool = True, confidence: float = 0.95) -> float:
-        """Half width of what is left, as a part of the pressure.
+        """Half width of what is left, as a part of the pressure (`size_not_passed`)."""
+        return size_not_passed(self.corrected if corrected else self.missed, confidence)
 
-        The ceil(confidence (k + 1))-th smallest of k legs (Vovk 2015), whatever their law.
-        """
-        sizes = self.corrected if corrected else self.missed
-        return float(sizes[min(int(np.ceil(confidence * (len(sizes) + 1))), len(sizes)) - 1])
+
+def size_not_passed(sizes: np.ndarray, confidence: float) -> float:
+    """Of k sorted sizes the ceil(confidence (k + 1))-th (Vovk 2015), whatever their law."""
+    return float(sizes[min(int(np.ceil(confidence * (len(sizes) + 1))), len(sizes)) - 1])
 
 
 @cache

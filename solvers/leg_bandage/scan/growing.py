@@ -14,7 +14,7 @@ from ..geometry.basis import Basis, fit_basis, reconstruction_errors
 from ..geometry.cohort import Cohort, read_cohort
 from .errors import ScanError
 from .fitting import FittedScan, fit_scan
-from .reading import FORMATS
+from .reading import FORMATS, scans_in
 
 LEAST = 3
 """Legs that make a basis; the paper learnt from 35."""
@@ -62,9 +62,7 @@ def build_cohort(
     folder = Path(folder)
     if not folder.is_dir():
         raise ScanError(f"{folder}: there is no such folder; check the name")
-    files = sorted(
-        path for path in folder.iterdir() if path.suffix.lower().removeprefix(".") in FORMATS
-    )
+    files = scans_in(folder)
     legs, skipped = [], {}
     for path in files:
         if progress is not None:

@@ -43,9 +43,18 @@ class Surface:
     notes: tuple[str, ...] = ()
 
 
+def scans_in(folder: Path) -> list[Path]:
+    """The files of a folder in a format that is read here, by name."""
+    return sorted(
+        path for path in folder.iterdir() if path.suffix.lower().removeprefix(".") in FORMATS
+    )
+
+
 def read_surface(path: str | Path) -> Surface:
     """The largest connected surface in an STL, PLY or OBJ file; raises ScanError."""
     path = Path(path)
+    if path.is_dir():
+        raise ScanError(f"{path}: is a folder; give one of its scans ({', '.join(FORMATS)})")
     kind = path.suffix.lower().removeprefix(".")
     if kind not in FORMATS:
         raise ScanError(

@@ -151,6 +151,12 @@ def test_wrong_words_are_told_before_the_scan_is_read(command, words, sentence):
     assert (status, out) == (2, "") and sentence in err and "no_such_scan" not in err
 
 
+def test_a_folder_is_no_scan(command, scan_file):
+    folder = scan_file.parent
+    status, out, err = command("plan", folder, "--target", 40, "--bandage", "biflex_17")
+    assert (status, out) == (2, "") and f"{folder}: is a folder; give one of its scans" in err
+
+
 def test_stretch_that_does_not_change_is_the_one_stretch(rough_result, rough, solved_once):
     """The same digits; outside of the range it is refused."""
     same = LegBandage(mesh="rough").run(stretch_free=1.3)
