@@ -260,10 +260,8 @@ def inputs_of(law: str | None) -> dict[str, Input]:
     """The inputs of a solver with that tension law; None: `tension_law` is an input."""
     if law is None:
         return dict(INPUTS)
-    return {
-        "exponent" if name == "tension_law" else name: EXPONENT if name == "tension_law" else one
-        for name, one in INPUTS.items()
-    }
+    replaced = {"tension_law": ("exponent", EXPONENT)}
+    return dict(replaced.get(name, (name, one)) for name, one in INPUTS.items())
 
 
 def _has_a_minimum(nu12: float, K2: float, tension: float) -> bool:

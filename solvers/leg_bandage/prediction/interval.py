@@ -40,9 +40,8 @@ def parts_of(
 ) -> tuple[Part, ...]:
     """Surrogate, shape of the leg, friction where it is unknown and varied, bandager's hand.
 
-    widening: of the shape part, for a leg unlike those that it was found on.
-
-    factor: by which the shape law has corrected the reduced model's pressure; None if it has not.
+    factor    by which the shape law has corrected the reduced model's pressure; None if it has not
+    widening  of the shape part, for a leg unlike those that it was found on
     """
     coded, scale = reduced.coded(inputs), 1.0 if factor is None else factor
     value = float(reduced.at_b1.predict(coded)[0])

@@ -20,6 +20,8 @@ DIRECTIONS: Mapping[str, float] = {
     "toes": 90.0,
 }
 """Where each lies about the leg, degrees from the outside by the front."""
+NEAR = 25.0
+"""mm from a vertex of the skin."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,3 @@ class Landmarks:
             ).centre.mean(axis=0)
             found[name] = (place[:2], centre)
         return found
-
-
-NEAR = 25.0
-"""mm from a vertex of the skin."""
