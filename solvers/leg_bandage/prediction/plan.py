@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.special import ndtri
 
 from .along import GRADIENT
@@ -186,12 +187,13 @@ class _Draws:
     @classmethod
     def of(cls, told: Prediction) -> _Draws:
         free = uniforms(5)
-        choice, reduced = told.choice, told.reduced
+        choice = told.choice
         ends = choice.mu_range or (choice.mu_skin, choice.mu_skin)
         frictions = np.linspace(*ends, FRICTIONS) if choice.mu_range else np.array(ends[:1])
         stretches = np.linspace(*STRETCHES, GRID)
         tension = choice.constant * (stretches - 1)
-        value = _at_tensions(told, tension, frictions)
+        ends_of_tension = _tensions(told.reduced)
+        value = _at_tensions(told, tension, frictions, ends_of_tension)
         return cls(
             choice,
             stretches,
@@ -200,7 +202,7 @@ class _Draws:
             ends[0] + (ends[1] - ends[0]) * free[:, 0],
             _missed(told, free[:, 1], free[:, 2]),
             ndtri(free[:, 3:5]),
-            1 + _highest_tension(reduced) / choice.constant,
+            1 + ends_of_tension[1] / choice.constant,
         )
 
     def pressures(self, stretch: float, overlap: float) -> np.ndarray:
@@ -216,17 +218,23 @@ class _Draws:
         return stretch > self.largest + 1e-9
 
 
-def _highest_tension(reduced: Reduced) -> float:
+def _tensions(reduced: Reduced) -> tuple[float, float]:
+    """Lowest and highest of the stored runs, N/mm; raises BandageChoiceError for only one."""
     if "tension" not in reduced.names:
-        return np.inf
-    return float(reduced.study.space["tension"].distribution.support[1])
+        raise BandageChoiceError(
+            f"{reduced.path}: a plan needs a stored study that varies tension; this one varies "
+            f"{', '.join(reduced.names)}"
+        )
+    low, high = reduced.study.space["tension"].distribution.support
+    return float(low), float(high)
 
 
-def _at_tensions(told: Prediction, tension: np.ndarray, frictions: np.ndarray) -> np.ndarray:
+def _at_tensions(
+    told: Prediction, tension: np.ndarray, frictions: np.ndarray, ends: tuple[float, float]
+) -> np.ndarray:
     """(tension, friction) mmHg at B1; beyond the runs in proportion to the tension."""
     reduced, factor = told.reduced, 1.0 if told.factor is None else told.factor
-    low, high = (float(end) for end in reduced.study.space["tension"].distribution.support)
-    inside = np.clip(tension, low, high)
+    inside = np.clip(tension, *ends)
     grid, mu = np.meshgrid(inside, frictions, indexing="ij")
     columns = {**told.inputs, "tension": grid.ravel()}
     if "mu_skin" in reduced.names:
@@ -249,17 +257,13 @@ def _hitting(
     draws: _Draws, target: float, ends: tuple[float, float], overlap: float
 ) -> Wrapping | None:
     """The stretch whose median is the target; None out of reach."""
-    low, high = STRETCHES
-    medians = [float(np.median(draws.pressures(one, overlap))) for one in (low, high)]
-    if not medians[0] <= target <= medians[1]:
+
+    def missed(stretch: float) -> float:
+        return float(np.median(draws.pressures(stretch, overlap))) - target
+
+    if not missed(STRETCHES[0]) <= 0 <= missed(STRETCHES[1]):
         return None
-    for _ in range(40):
-        middle = (low + high) / 2
-        if np.median(draws.pressures(middle, overlap)) < target:
-            low = middle
-        else:
-            high = middle
-    stretch = (low + high) / 2
+    stretch = float(brentq(missed, *STRETCHES))
     pressed = draws.pressures(stretch, overlap)
     median, *both = (float(end) for end in np.quantile(pressed, [0.5, 0.025, 0.975]))
     return Wrapping(stretch, overlap, median, *both, float(_inside(pressed, ends).mean()))

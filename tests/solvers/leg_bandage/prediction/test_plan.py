@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -149,6 +150,12 @@ def test_command(command, scan_file, told):
 def test_wrong_words_are_told_before_the_scan_is_read(command, words, sentence):
     status, out, err = command("plan", "no_such_scan.stl", "--bandage", "biflex_17", *words)
     assert (status, out) == (2, "") and sentence in err and "no_such_scan" not in err
+
+
+def test_a_study_at_one_tension_is_told(told):
+    one = SimpleNamespace(path="mine.yaml", names=("mu_skin", "leg_length"))
+    with pytest.raises(BandageChoiceError, match="mine.yaml: a plan needs a stored study that var"):
+        plan_wrapping(replace(told, reduced=one), 40.0)
 
 
 def test_a_folder_is_no_scan(command, scan_file):
