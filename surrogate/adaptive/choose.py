@@ -47,10 +47,10 @@ def choose(rule: Rule, space: Space, answers: Answers, review: Review, count: in
 def _near_the_limit(
     rule: Rule, space: Space, answers: Answers, review: Review, seed: int
 ) -> list[Array]:
-    """The point (1, d) that tells most of a probability; none where others have to do.
+    """The point (1, d) that tells most of a probability; none where `worthiest` has to choose.
 
-    Those are the aims but this one, spaces with constraints, and answers that are equal so far or
-    that nothing fits.
+    That is so for the other aims, in spaces with constraints, as long as all answers are equal,
+    and where no process could be fitted.
     """
     if rule.aim.kind != PROBABILITY or space.region is not None or not review.lengths:
         return []
