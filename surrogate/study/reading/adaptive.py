@@ -6,6 +6,7 @@ import hashlib
 import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -19,6 +20,11 @@ from surrogate.space.space import Space
 from surrogate.study.parts.adaptive import AdaptivePart
 from surrogate.study.reading.mistakes import Reading
 from surrogate.study.reading.named import is_scalar
+
+Signs = tuple[tuple[str, Literal[1, -1]], ...]
+#: Keys of an optimum and of a limit, and what they make of `Aim.sign`.
+ENDS: Signs = (("minimise", 1), ("maximise", -1))
+SIDES: Signs = (("above", 1), ("below", -1))
 
 
 def rules_of(
@@ -87,14 +93,10 @@ def _aim(
     def scalar(output: str, *where: str | int) -> bool:
         return is_scalar(reading, output, offered, "an aim needs a single number", *path, *where)
 
-    for key, sign in (("minimise", 1), ("maximise", -1)):
+    for key, sign in ENDS:
         output = getattr(part, key)
         if output is not None:
-            return (
-                Aim(part.aim, (output,), sign=1 if sign > 0 else -1)
-                if scalar(output, key)
-                else None
-            )
+            return Aim(part.aim, (output,), sign=sign) if scalar(output, key) else None
     for output, value in part.target.items():
         if not scalar(output, "target", output):
             return None
@@ -104,12 +106,12 @@ def _aim(
     named = [n for index, n in enumerate(part.output) if scalar(n, "output", index)]
     if len(named) < len(part.output):
         return None
-    for key, sign in (("above", 1), ("below", -1)):
+    for key, sign in SIDES:
         limit = getattr(part, key)
         if limit is not None:
             with reading.mistakes_at(*path, key):
                 value = units.quantity(str(limit), offered[named[0]].unit)
-                return Aim(part.aim, (named[0],), value, 1 if sign > 0 else -1)
+                return Aim(part.aim, (named[0],), value, sign)
             return None
     names = tuple(named) or tuple(n for n, one in offered.items() if not one.dims)
     if not names:
