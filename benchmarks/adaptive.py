@@ -40,7 +40,7 @@ from surrogate.adaptive.aim import (
     Until,
 )
 from surrogate.designs.latin_hypercube import latin_hypercube
-from surrogate.fitting.fit import Fit, fit
+from surrogate.fitting.fit import fit
 from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.sensitivity.pick_freeze import pick_freeze
 from surrogate.sensitivity.sobol import sobol
@@ -134,10 +134,6 @@ SMALLEST = {
 }
 
 
-def _fit(function: Function, coded: Array) -> Fit:
-    return fit(function.space, coded, function.of(coded), GaussianProcess())
-
-
 class Truth:
     """What a design of a function is judged by, for one aim."""
 
@@ -154,7 +150,8 @@ class Truth:
         if self.aim == OPTIMUM:
             gap = float(self.function.of(coded).min()) - SMALLEST[self.name]
             return {self.aim: gap / float(self.values.std())}
-        one = _fit(self.function, coded)
+        process = GaussianProcess(normal_scores=self.aim == PROBABILITY)
+        one = fit(self.function.space, coded, self.function.of(coded), process)
         if self.aim == INDEX_WIDTH:
             table = sobol(one, self.function.space)
             width = float((table["total_high"] - table["total_low"]).max())
