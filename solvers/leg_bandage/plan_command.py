@@ -9,6 +9,8 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 
+from surrogate.errors import SolverError
+
 from .options import (
     AsJson,
     BandageName,
@@ -35,7 +37,7 @@ from .options import (
 from .prediction import PUBLISHED, BandageChoiceError, Reduced, choose_bandage, predict_pressure
 from .prediction.compression_class import BS, RAL, STANDARDS
 from .prediction.plan import Plan, check_plan, plan_wrapping, stretch_of_ends
-from .prediction.pressure import Prediction, Solved, solve_on
+from .prediction.pressure import Prediction, Solved, solved_or_why
 
 
 def plan_verb(
@@ -88,11 +90,13 @@ def plan_verb(
     reduced = Reduced.read(study)
     told = predict_pressure(said.fit(scan), choice, reduced, gradient=down)
     plan = plan_wrapping(told, target, standard=asked, within=kept, overlap=overlap, gradient=down)
-    solved = None if solved_on is None else _verified(told, plan, solved_on, graduated)
+    solved, unsolved = _verified(told, plan, solved_on, graduated)
     if as_json:
-        print(json.dumps(plan_figures(told, plan, solved), indent=1))
+        print(json.dumps(plan_figures(told, plan, solved, unsolved), indent=1))
     else:
         _show(told, plan, solved, Console())
+    if unsolved:
+        raise SolverError(f"the finite element model has no answer for this plan: {unsolved}")
 
 
 def _standard(name: str) -> str:
@@ -102,12 +106,14 @@ def _standard(name: str) -> str:
     return found
 
 
-def _verified(told: Prediction, plan: Plan, mesh: str, graduated: bool) -> Solved:
-    """The finite element model on the scan's own sections, wrapped as planned."""
+def _verified(
+    told: Prediction, plan: Plan, mesh: str | None, graduated: bool
+) -> tuple[Solved | None, str]:
+    """The finite element model on the scan's own sections, wrapped as planned; or why not."""
     first, last = plan.best.stretch, None
     if graduated:
         first, last = stretch_of_ends(plan, told.scan.length)
-    return solve_on(
+    return solved_or_why(
         told.scan.scanned,
         replace(told.choice, stretch=first),
         mesh,
@@ -116,7 +122,9 @@ def _verified(told: Prediction, plan: Plan, mesh: str, graduated: bool) -> Solve
     )
 
 
-def plan_figures(told: Prediction, plan: Plan, solved: Solved | None) -> dict[str, Any]:
+def plan_figures(
+    told: Prediction, plan: Plan, solved: Solved | None, unsolved: str
+) -> dict[str, Any]:
     """The plan for scripts; mmHg, mm."""
     low, high = plan.within
     ends = stretch_of_ends(plan, told.scan.length)
@@ -148,6 +156,7 @@ def plan_figures(told: Prediction, plan: Plan, solved: Solved | None) -> dict[st
             "inside": plan.holds(solved.value),
             "seconds": solved.seconds,
         },
+        "unsolved": unsolved,
     }
 
 

@@ -155,7 +155,7 @@ def predict_pressure(
         *pose_parts(scan, value, others, reduced, choice),
     )
     outside = reduced.outside(inputs)
-    solved, unsolved = _solved(scan.scanned, choice, mesh)
+    solved, unsolved = solved_or_why(scan.scanned, choice, mesh)
     return Prediction(
         scan,
         choice,
@@ -217,11 +217,18 @@ def solve_on(
     )
 
 
-def _solved(leg: Leg, choice: BandageChoice, mesh: str | None) -> tuple[Solved | None, str]:
+def solved_or_why(
+    leg: Leg,
+    choice: BandageChoice,
+    mesh: str | None,
+    overlap: float = OVERLAP,
+    stretch_free: float | None = None,
+) -> tuple[Solved | None, str]:
+    """What `solve_on` gives, or why it has no answer; neither without a mesh."""
     if mesh is None:
         return None, ""
     try:
-        return solve_on(leg, choice, mesh), ""
+        return solve_on(leg, choice, mesh, overlap, stretch_free), ""
     except SolverError as error:
         return None, str(error)
 

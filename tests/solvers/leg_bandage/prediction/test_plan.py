@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import virtual_scans as virtual
 
+from surrogate.errors import SolverError
 from surrogate_solvers.leg_bandage.geometry.cohort import load_cohort
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
 from surrogate_solvers.leg_bandage.plugin import LegBandage
@@ -156,6 +157,24 @@ def test_a_study_at_one_tension_is_told(told):
     one = SimpleNamespace(path="mine.yaml", names=("mu_skin", "leg_length"))
     with pytest.raises(BandageChoiceError, match="mine.yaml: a plan needs a stored study that var"):
         plan_wrapping(replace(told, reduced=one), 40.0)
+
+
+@pytest.mark.parametrize("form", [(), ("--json",)])
+def test_a_failed_run_does_not_lose_the_plan(command, scan_file, monkeypatch, form):
+    """The plan is told, then why finite elements have no answer: status 1."""
+
+    def failing(*problem, **inputs):
+        raise SolverError("no convergence")
+
+    monkeypatch.setattr(LegBandage, "run", failing)
+    words = ("plan", scan_file, "--target", 40, "--bandage", "biflex_17", "--side", "right")
+    status, out, err = command(*words, "--ends", "--solve", *form)
+    assert status == 1 and "no answer for this plan: no convergence" in err
+    if form:
+        found = json.loads(out)
+        assert found["solved"] is None and found["unsolved"] == "no convergence"
+    else:
+        assert "at stretch" in out and "with probability" in out
 
 
 def test_a_folder_is_no_scan(command, scan_file):
