@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:  # the words of a study file are read without NumPy
+    import numpy as np
+    from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+    Array = NDArray[np.float64]
 
 AUTO = "auto"
 METHODS = (AUTO, "crude", "importance", "subset")
@@ -33,7 +34,7 @@ class Failure:
 
     def margin(self, values: Array) -> Array:
         """How far values (m,) of the output stay on the safe side; 0 or less is failure."""
-        return np.asarray(self.sign * (self.limit - values))
+        return self.sign * (self.limit - values)
 
     def __str__(self) -> str:
         side = "above" if self.sign > 0 else "below"
