@@ -7,7 +7,7 @@ from pathlib import Path
 
 from surrogate.cli.page import Page
 from surrogate.cli.results import analyse
-from surrogate.report.dossier import Dossier
+from surrogate.report.dossier import Dossier, Known
 from surrogate.runs.files import write_text
 from surrogate.study.parts.credibility import CredibilityPart
 from surrogate.study.study import Study
@@ -23,7 +23,7 @@ def dossier(study: Study, folder: Path, file: Path) -> Page:
     """
     outcome = analyse(study, folder)
     told = CredibilityPart.model_validate(study.words.get("credibility") or {})
-    made = Dossier(
+    known = Known(
         study.name,
         study.about,
         file.as_posix(),
@@ -33,6 +33,7 @@ def dossier(study: Study, folder: Path, file: Path) -> Page:
         outcome.summary,
         _computed(study),
     )
+    made = Dossier(known)
     page = made.page().save(folder / f"{NAME}.html")
     write_text(folder / f"{NAME}.md", made.markdown())
     chapters = made.chapters

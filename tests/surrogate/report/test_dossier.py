@@ -9,7 +9,7 @@ from surrogate import Study
 from surrogate.cli.dossier import dossier
 from surrogate.errors import StudyError
 from surrogate.report import digits
-from surrogate.report.dossier import Dossier
+from surrogate.report.dossier import Dossier, Known
 from surrogate.runs.dataset import load
 
 STUDY = {
@@ -113,7 +113,7 @@ def test_units_are_printed_whole(place):
     runs["flow"].attrs["units"] = "1/s"
     summary = json.loads((place / "evident" / "summary.json").read_text())
     space = Study.from_mapping(STUDY).space
-    made = Dossier("evident", "", "evident.yaml", {}, space, runs, summary)
+    made = Dossier(Known("evident", "", "evident.yaml", {}, space, runs, summary))
     errors = [one for part in made.chapters for one in part.evidence if "RMSE" in one.claim]
     assert errors
     for one in errors:
