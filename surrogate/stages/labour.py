@@ -33,9 +33,12 @@ LOOK = 0.5
 
 
 def do(job: Job, hear: Hear = lambda part: None) -> Result:
-    """The job's result; what could not be done is a sentence. hear: told how far it is."""
+    """The job's result; what could not be done is a sentence. hear: told how far it is.
+
+    With one BLAS thread, so that the digits do not depend on who does it.
+    """
     try:
-        with listening(hear):
+        with threadpool_limits(1), listening(hear):
             return Result(job.function(**job.arguments))
     except SurrogateError as error:
         return Result(None, (str(error),))
@@ -125,8 +128,7 @@ _board: Board | None = None
 
 
 def _do_alone(job: Job) -> Result:
-    with threadpool_limits(1):
-        return do(job, partial(_board.write, job.label)) if _board else do(job)
+    return do(job, partial(_board.write, job.label)) if _board else do(job)
 
 
 def _begin(board: Board) -> None:
