@@ -27,6 +27,8 @@ def page(study: Study, done: Outcome) -> Page:
     if figures["screening"]:
         parts.append(_screening_line(figures["screening"]))
     parts += [f"design {name}: {told}" for name, told in _adaptive(figures["adaptive"])]
+    for told in (figures["noise"], figures["suspicious"]):
+        parts += [f"{one['sentence']}." for one in told.values()]
     if figures["learning"]:
         parts += _learning_lines(figures["learning"], figures["comparison"])
     for name, goal in (figures["solve"] or {}).items():

@@ -37,6 +37,8 @@ class FittedProcess(RegressorMixin, BaseEstimator):
     columns_, points_ (n, c)       of its runs
     standard_, offset_, scale_     values (n,) = offset_ + scale_ * standard_
     lengths_ (c,), nugget_         in coded units; `logs_` (c + 1,) are the logarithms of both
+    noise_ (n,)                    variance of each run about the process, in nuggets: 1 unless
+                                   noise depends on the place
     weights_ (n,), trend_ (q,)     of standardised values;  factors_  `kriging.Factored`
     variance_                      of the process, in the output's unit squared
     widening_                      factor of deviations, 1 or more, see `gaussian_process`
@@ -51,6 +53,11 @@ class FittedProcess(RegressorMixin, BaseEstimator):
     offset_: float
     scale_: float
     widening_: float
+    noise_: Array
+
+    def noise_at(self, points: Array) -> Array:
+        """Variance (m,) of new runs about the process at numeric columns (m, c), in nuggets."""
+        return np.ones(len(points))
 
     def trend_columns(self, points: Array) -> Array:
         """F (n, q): ones, and the columns for a linear trend."""
@@ -76,7 +83,7 @@ class FittedProcess(RegressorMixin, BaseEstimator):
 
     def _factored(self, logs: Array) -> Factored:
         matrix = correlation(self.points_, self.points_, np.exp(logs[:-1]))
-        np.fill_diagonal(matrix, 1.0 + np.exp(logs[-1]))
+        np.fill_diagonal(matrix, 1.0 + np.exp(logs[-1]) * self.noise_)
         return factored(matrix, self._checked_trend(self.points_))
 
     def _set(self, logs: Array, factors: Factored) -> None:
@@ -141,8 +148,9 @@ class FittedProcess(RegressorMixin, BaseEstimator):
             explained = linalg.blas.dtrsm(1.0, one.factor, block.T, lower=1, overwrite_b=1).T
             variance[part] = np.einsum("ij,jk,ik->i", rest, one.gain, rest)
             variance[part] -= np.einsum("ij,ij->i", explained, explained)
-        variance += 1.0 + self.nugget_
-        return sums, np.maximum(variance, self.nugget_)
+        nuggets = self.nugget_ * self.noise_at(points)
+        variance += 1.0 + nuggets
+        return sums, np.maximum(variance, nuggets)
 
     def posterior_draws(self, size: int, seed: int | None = None) -> list[paths.Draw]:
         """Functions that are as plausible as the mean, given the runs.

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from copy import copy
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,7 +27,7 @@ from scipy import linalg
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from surrogate.counting import counted
-from surrogate.errors import nearest
+from surrogate.errors import FitError, nearest
 from surrogate.regressors import paths
 from surrogate.regressors.columns import columns_of, expand, scored
 from surrogate.regressors.fitted_process import FittedProcess, predicted
@@ -35,6 +35,7 @@ from surrogate.regressors.folds import point_folds
 from surrogate.regressors.kriging import Factored, left_out_errors
 from surrogate.regressors.length_search import Search, guesses
 from surrogate.regressors.likelihood import Posterior
+from surrogate.regressors.log_noise import log_variances
 from surrogate.regressors.polynomial import linear_terms
 from surrogate.regressors.uncertain_lengths import plausible
 from surrogate.space.space import Space
@@ -45,9 +46,11 @@ Array = NDArray[np.float64]
 #: unrelated, above the upper one an input is a straight line or plays no part.
 LENGTHS = (0.05, 50.0)
 #: Nugget as a share of the process variance: from what rounding allows (smaller ones make
-#: weights that lose ten digits) to as much noise as signal.
-NUGGETS = (1e-8, 1.0)
+#: weights that lose ten digits) to next to no signal.
+NUGGETS = (1e-8, 100.0)
 TRENDS = ("constant", "linear")
+#: Noise of all runs alike, or as their replicates show it.
+EQUAL, REPLICATES = "equal", "replicates"
 #: Above this number of runs guesses are tried on a part of the runs.
 SUBSET = 300
 #: Up to this number of runs a left-out fold has its own lengths and nugget.
@@ -79,6 +82,8 @@ class GaussianProcess(FittedProcess):
     space   the Space of the inputs; None for numeric inputs uniform on [-1, 1]
     normal_scores  unbounded inputs enter by their normal scores, not by their probabilities: for
             the far ends of a law, where a limit is rarely exceeded
+    noise   "equal" at all places, or "replicates": the scatter at repeated points says how the
+            variance of a run about the process depends on the place, see `log_noise`
 
     Fitted: what `FittedProcess` lists; by `fit` alone `folds_` (n,) and `left_out_`, standardised
     predictions (n,) of each run without its fold and their deviations. `widening_` is 1 for
@@ -96,6 +101,7 @@ class GaussianProcess(FittedProcess):
         seed: int = 0,
         space: Space | None = None,
         normal_scores: bool = False,
+        noise: str = EQUAL,
     ) -> None:
         self.trend = trend
         self.nugget = nugget
@@ -103,6 +109,7 @@ class GaussianProcess(FittedProcess):
         self.seed = seed
         self.space = space
         self.normal_scores = normal_scores
+        self.noise = noise
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
@@ -159,6 +166,8 @@ class GaussianProcess(FittedProcess):
 
     def _taken(self, X: ArrayLike, Y: Array) -> list[GaussianProcess]:
         """A process for each output, with runs but without lengths."""
+        if self.noise != EQUAL:
+            raise ValueError(f"noise: {self.noise} is for single numbers; take noise: {EQUAL}")
         self._take(X, Y[:, 0])
         models = [copy(self) for _ in Y.T]
         for model, y in zip(models, Y.T, strict=True):
@@ -175,6 +184,7 @@ class GaussianProcess(FittedProcess):
         self.folds_ = None  # known after `fit`
         self.points_ = expand(points, self.columns_)
         self._standardise(outputs)
+        self._take_noise()
 
     def _standardise(self, y: Array) -> None:
         self.offset_, self.scale_ = float(y.mean()), float(y.std())
@@ -182,9 +192,28 @@ class GaussianProcess(FittedProcess):
             self.scale_ = 0.0
         self.standard_ = (y - self.offset_) / (self.scale_ or 1.0)
 
+    def _take_noise(self) -> None:
+        """How the noise depends on the place."""
+        self.log_noise_: GaussianProcess | None = None
+        if self.noise == REPLICATES:
+            points, logs = log_variances(self.points_, self.standard_)
+            self.log_noise_ = GaussianProcess(starts=self.starts, seed=self.seed)
+            self.log_noise_._most_probable(points, logs)
+            self.log_noise_.offset_ -= float(np.log(self.noise_at(self.points_)).mean())
+        self.noise_ = self.noise_at(self.points_)
+
+    def noise_at(self, points: Array) -> Array:
+        """Variance (m,) of new runs about the process at numeric columns (m, c), in nuggets."""
+        if self.log_noise_ is None:
+            return super().noise_at(points)
+        logs = np.asarray(predicted([self.log_noise_], points))
+        return np.exp(logs[:, 0])
+
     def _check(self) -> None:
         if self.trend not in TRENDS:
             raise ValueError(f"trend '{self.trend}': {nearest(self.trend, TRENDS)}")
+        if self.noise not in (EQUAL, REPLICATES):
+            raise ValueError(f"noise '{self.noise}': {nearest(self.noise, (EQUAL, REPLICATES))}")
         if self.nugget != "estimate" and (isinstance(self.nugget, str) or not self.nugget > 0):
             raise ValueError(
                 f"nugget {self.nugget}: give 'estimate' or a number above 0, such as 1e-8"
@@ -220,7 +249,8 @@ class GaussianProcess(FittedProcess):
         end: float,
     ) -> Array:
         points = self.points_[chosen]
-        posterior = Posterior(points, self._checked_trend(points), y[chosen])
+        trend, noise = self._checked_trend(points), self.noise_[chosen]
+        posterior = Posterior(points, trend, y[chosen], noise)
         search = Search(posterior, self._bounds())
         search.judge(start)
         for output in counted("mode", range(leading)):
@@ -256,7 +286,7 @@ class GaussianProcess(FittedProcess):
     def _plausible(self, count: int, rng: np.random.Generator) -> list[GaussianProcess]:
         """Processes of the same runs whose lengths and nugget are drawn from their posterior."""
         trend, standard = self.trend_columns(self.points_), self.standard_[:, None]
-        posterior = Posterior(self.points_, trend, standard)
+        posterior = Posterior(self.points_, trend, standard, self.noise_)
         found = []
         for logs in plausible(posterior, self.logs_, self._bounds(), count, rng):
             other = copy(self)
@@ -267,6 +297,15 @@ class GaussianProcess(FittedProcess):
             other.widening_ = self.widening_
             found.append(other)
         return found
+
+    def portable(self) -> dict[str, Any]:
+        """JSON-able description; `FitError` where noise depends on the place."""
+        if self.noise != EQUAL:
+            raise FitError(
+                f"a Gaussian process with noise: {self.noise} has no portable form, for its "
+                f"deviation depends on the place; add one with noise: {EQUAL}"
+            )
+        return super().portable()
 
     def _left_out(self, folds: NDArray[np.intp]) -> tuple[Array, Array]:
         """Standardised predictions (n,) of each run without its fold, and their deviations."""
@@ -286,6 +325,7 @@ class GaussianProcess(FittedProcess):
         other = type(self)(**self.get_params(deep=False))
         other.columns_, other.points_ = self.columns_, self.points_[~inside]
         other.standard_, other.offset_, other.scale_ = self.standard_[~inside], 0.0, 1.0
+        other.log_noise_, other.noise_ = self.log_noise_, self.noise_[~inside]
         logs = other._search(other.standard_[:, None], self.logs_[None], 1, 1, ROUGH)[0]
         other._set(logs, other._factored(logs))
         mean, std = predicted([other], self.points_[inside], return_std=True)

@@ -17,8 +17,8 @@ from surrogate.regressors.likelihood import Posterior
 
 Array = NDArray[np.float64]
 
-#: Guesses judged before a search, and the lengths that they lie between.
-GUESSES, LIKELY = 64, (0.2, 10.0)
+#: Guesses judged before a search, the lengths that they lie between, and their largest nugget.
+GUESSES, LIKELY, LIKELY_NUGGET = 64, (0.2, 10.0), 1.0
 
 
 def guesses(bounds: Array, seed: int) -> Array:
@@ -27,7 +27,8 @@ def guesses(bounds: Array, seed: int) -> Array:
     bounds (c + 1, 2) of log lengths and log nugget.
     """
     rows = qmc.Sobol(len(bounds), seed=seed).random(GUESSES)
-    low, high = np.vstack([np.tile(np.log(LIKELY), (len(bounds) - 1, 1)), bounds[-1:]]).T
+    nugget = np.minimum(bounds[-1:], [[np.inf, np.log(LIKELY_NUGGET)]])
+    low, high = np.vstack([np.tile(np.log(LIKELY), (len(bounds) - 1, 1)), nugget]).T
     middling = np.append(np.full(len(bounds) - 1, np.log(2.0)), np.log(1e-4))
     return np.asarray(np.clip(np.vstack([middling, low + rows * (high - low)]), *bounds.T))
 

@@ -29,12 +29,12 @@ PRIOR_MEDIAN, PRIOR_SPREAD = 3.0, 1.5
 class Posterior:
     """-2 log posterior of log lengths (c,) and log nugget, of outputs of the same runs.
 
-    points (n, c); F (n, q) trend columns; y (n, outputs). The prior of each log length is
-    normal.
+    points (n, c); F (n, q) trend columns; y (n, outputs); noise (n,) or 1 the variance of
+    each run about the process, in nuggets. The prior of each log length is normal.
     """
 
-    def __init__(self, points: Array, F: Array, y: Array) -> None:
-        self.F, self.y = F, y
+    def __init__(self, points: Array, F: Array, y: Array, noise: Array | float = 1.0) -> None:
+        self.F, self.y, self.noise = F, y, noise
         first, second = np.triu_indices(len(points), 1)
         self.distances = np.ascontiguousarray(ROOT5 * np.abs(points[first] - points[second]).T)
         self.pairs = first * len(points) + second
@@ -67,7 +67,7 @@ class Posterior:
         """R (n, n); its upper triangle suffices."""
         matrix = np.zeros((len(self.y), len(self.y)))
         matrix.ravel()[self.pairs] = pairs
-        np.fill_diagonal(matrix, 1.0 + nugget)
+        np.fill_diagonal(matrix, 1.0 + nugget * self.noise)
         return matrix
 
 
@@ -96,7 +96,8 @@ class Evaluated:
         G = self.factors.projected - np.outer(w, w / self.variance[output])
         along = 2.0 * G.take(self.posterior.pairs) * self.pairs
         lengths = self._slopes() @ along + 2.0 * self._prior / PRIOR_SPREAD
-        return np.append(lengths, np.exp(self.logs[-1]) * np.trace(G))
+        along_nugget = (G.diagonal() * self.posterior.noise).sum()
+        return np.append(lengths, np.exp(self.logs[-1]) * along_nugget)
 
     @property
     def _prior(self) -> Array:

@@ -191,6 +191,7 @@ def draw(process: Process, size: int, seed: Any) -> Paths:
     numbers, eigenvalues = _largest([of.eigenvalues for of in eigenfunctions])
     waves = np.sqrt(eigenvalues)[:, None] * spread * rng.standard_normal((len(numbers), size))
     noise = np.sqrt(process.nugget_) * spread * rng.standard_normal((len(points), size))
+    noise *= np.sqrt(process.noise_)[:, None]
     at_runs = _terms(eigenfunctions, numbers, points) @ waves
     missed = process.standard_[:, None] - at_runs - noise
     trend, weights = factors.trend(missed), factors.weights(missed)

@@ -26,12 +26,16 @@ class Process(Protocol):
     standard_: Array
     lengths_: Array
     nugget_: float
+    noise_: Array
     widening_: float
     offset_: float
     scale_: float
     weights_: Array
     trend_: Array
     factors_: Factored
+
+    def noise_at(self, points: Array) -> Array:
+        """Variance (m,) of new runs about the process, in nuggets."""
 
     @property
     def predictive_variance(self) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import xarray as xr
@@ -14,6 +14,7 @@ from surrogate.adaptive.outcome import Grown
 from surrogate.designs.aliasing import Aliasing
 from surrogate.fitting.fit import Fit
 from surrogate.fitting.geometry import Geometry
+from surrogate.fitting.noise import Noise
 from surrogate.fitting.replicates import Replicates
 from surrogate.runs.names import RESERVED_NAMES
 from surrogate.sensitivity.screening import Screening
@@ -32,6 +33,13 @@ if TYPE_CHECKING:
     from surrogate.fitting.failures import FailingRegion
     from surrogate.reliability.solution import Reliability
     from surrogate.solving.solution import Solution
+
+
+class Sentence(Protocol):
+    """What is known of something, as a sentence without its full stop."""
+
+    @property
+    def sentence(self) -> str: ...
 
 
 def thinned(count: int, first: np.ndarray | None = None) -> np.ndarray:
@@ -73,6 +81,8 @@ class Content:
     aliasing        design -> aliasing of a two-level fraction
     failures        the region where runs fail
     replicates      output -> scatter at repeated points
+    noise           output -> its noise, where that is a large share of the variance
+    suspicious      output -> a sentence on runs that a robust surrogate finds too far away
     reduced_study   text of the study file without the frozen parameters
     scene           the solver's geometry over the parameters, or why it is not shown
     not_done        sentences about what the study asked for and could not be done
@@ -97,6 +107,8 @@ class Content:
     aliasing: Mapping[str, Aliasing] = field(default_factory=dict)
     failures: FailingRegion | None = None
     replicates: Mapping[str, Replicates] = field(default_factory=dict)
+    noise: Mapping[str, Noise] = field(default_factory=dict)
+    suspicious: Mapping[str, Sentence] = field(default_factory=dict)
     reduced_study: str = ""
     scene: Geometry | str | None = None
     not_done: Sequence[str] = ()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import product
@@ -18,6 +18,7 @@ from surrogate.fitting import fit as fitting
 from surrogate.fitting.fit import Fit
 from surrogate.fitting.forecast import AHEAD, WIDTH, Forecast, Goal, forecast
 from surrogate.fitting.learning import SUBSETS, Curve, Runs, has_curve, has_given_terms, learn
+from surrogate.fitting.noise import q2_of_mean
 from surrogate.runs import dataset as rundata
 from surrogate.space.space import Space
 from surrogate.stages.comparison import TEST
@@ -26,6 +27,8 @@ from surrogate.stages.sensitivity import SensitivityMethod, indices
 from surrogate.stages.stage import Job, Result
 
 BEST, ALL = "best", "all"
+#: Of a curve that nobody asked for: its subsets, and the most runs.
+UNASKED, MOST_UNASKED = 10, 300
 #: Shares of the subsets between which the band lies, and its middle.
 BAND = {"_low": 0.05, "": 0.5, "_high": 0.95}
 SCORES = {
@@ -69,11 +72,26 @@ def jobs(
     runs: xr.Dataset,
     fits: Fits,
     comparison: xr.Dataset | None,
+    noise: Collection[str] = (),
 ) -> list[Job]:
-    """A curve of each chosen surrogate of each scalar output; none when none are asked for."""
-    if learning_rule is None or comparison is None:
+    """A curve of each chosen surrogate of each scalar output.
+
+    noise: outputs that are mostly noise. Where no curve is asked for, their best surrogates have
+    one all the same, for it tells whether more runs would help.
+    """
+    if comparison is None:
         return []
     best = comparing.best(comparison)
+    if learning_rule is None:
+        fits = {
+            name: {
+                output: fit
+                for output, fit in by_output.items()
+                if output in noise and best[output] == name and _is_cheap(fit, runs)
+            }
+            for name, by_output in fits.items()
+        }
+        learning_rule = LearningRule(subsets=UNASKED)
     found = []
     for name, by_output in fits.items():
         for output, fit in by_output.items():
@@ -101,6 +119,11 @@ def jobs(
                 )
             )
     return found
+
+
+def _is_cheap(fit: Fit, runs: xr.Dataset) -> bool:
+    """Whether a curve that nobody asked for costs seconds, and can be had."""
+    return len(fit.values) <= MOST_UNASKED and has_curve(fit, _test(runs, fit.output) is not None)
 
 
 def _chosen(word: str, fit: Fit, best: str, tested: bool) -> bool:
@@ -146,7 +169,8 @@ def index_width(
     own = fitting.fit(
         fit.space, coded, values, estimator, surrogate=fit.surrogate, output=fit.output
     )
-    table = indices(method, fit.space, own, own.q2)
+    of_mean = q2_of_mean(own)
+    table = indices(method, fit.space, own, own.q2 if of_mean is None else of_mean)
     return float((table["total_high"] - table["total_low"]).max())
 
 

@@ -11,6 +11,7 @@ import xarray as xr
 
 from surrogate.fitting import comparison as comparing
 from surrogate.fitting.fit import Fit
+from surrogate.fitting.noise import q2_of_mean
 from surrogate.sensitivity.table import combine
 from surrogate.space.space import Space
 from surrogate.stages.fits import Fits
@@ -76,7 +77,13 @@ def indices(method: SensitivityMethod, space: Space, fit: Fit, q2: float) -> xr.
 
 
 def _q2(comparison: xr.Dataset, fit: Fit) -> float:
-    """Q2 of the test design where there is one, else that of the left-out predictions."""
+    """Q2 that indices go by: of the mean answer where replicates show the noise.
+
+    Else that of the test design where there is one, or of the left-out predictions.
+    """
+    of_mean = q2_of_mean(fit)
+    if of_mean is not None:
+        return of_mean
     row = comparison.sel(surrogate=fit.surrogate, output=fit.output)
     return float(row["q2_test"] if np.isfinite(row["q2_test"]) else row["q2_cv"])
 

@@ -26,6 +26,7 @@ from surrogate.stages import (
 from surrogate.stages.aliasing import aliasing
 from surrogate.stages.comparison import comparison
 from surrogate.stages.failures import failures
+from surrogate.stages.noise import noise
 from surrogate.stages.reduced_study import reduced_study
 from surrogate.stages.regression import regression, tree
 from surrogate.stages.replicates import replicates
@@ -34,6 +35,7 @@ from surrogate.stages.scene import scene
 from surrogate.stages.screening import screening
 from surrogate.stages.stage import Files, Stage, by_problem
 from surrogate.stages.summary import figures_by_output, figures_of, json_data, summary, text
+from surrogate.stages.suspicious import suspicious
 from surrogate.stages.validation import validation
 
 #: What the walk is given to start from.
@@ -118,6 +120,20 @@ STAGES = (
         figures=figures_of,
     ),
     Stage(
+        "noise",
+        reads=("outputs",),
+        needs=("runs", "fits", "replicates"),
+        does=noise,
+        figures=lambda found: json_data({name: vars(one) for name, one in found.items()}),
+    ),
+    Stage(
+        "suspicious",
+        reads=(),
+        needs=("runs", "fits"),
+        does=suspicious,
+        figures=lambda found: json_data({name: vars(one) for name, one in found.items()}),
+    ),
+    Stage(
         "sensitivity",
         reads=("sensitivity_method", "space"),
         needs=("fits", "comparison"),
@@ -159,7 +175,7 @@ STAGES = (
     Stage(
         "learning",
         reads=("learning_rule", "sensitivity_method", "space", "surrogates"),
-        needs=("runs", "fits", "comparison"),
+        needs=("runs", "fits", "comparison", "noise"),
         jobs=learning.jobs,
         does=learning.gather,
         files=_netcdf("learning.nc"),
@@ -223,6 +239,8 @@ STAGES = (
             "aliasing",
             "failures",
             "replicates",
+            "noise",
+            "suspicious",
             "fits",
             "comparison",
             "regression",

@@ -27,10 +27,12 @@ from surrogate.stages.aliasing import aliasing
 from surrogate.stages.comparison import comparison
 from surrogate.stages.failures import failures
 from surrogate.stages.fits import Fits
+from surrogate.stages.noise import noise
 from surrogate.stages.regression import regression
 from surrogate.stages.replicates import replicates
 from surrogate.stages.scene import scene
 from surrogate.stages.screening import screening
+from surrogate.stages.suspicious import suspicious
 from surrogate.stages.validation import validation
 from surrogate.study import reading
 from surrogate.study.asked_runs import AskedRuns
@@ -315,6 +317,7 @@ class Study(Description):
         not_done: Sequence[str] = (),
     ) -> Page:
         """The report as one page; `page.save(path)` writes it."""
+        scatter = replicates(self.outputs, self.spec.deterministic, runs)
         return reporting.report(
             runs,
             name=self.name,
@@ -328,7 +331,9 @@ class Study(Description):
             validation=validation,
             aliasing=aliasing(self.space, runs),
             failures=failures(self.space, runs),
-            replicates=replicates(self.outputs, self.spec.deterministic, runs),
+            replicates=scatter,
+            noise=noise(self.outputs, runs, fits, scatter),
+            suspicious=suspicious(runs, fits),
             reduced_study=reduced,
             scene=scene(
                 getattr(self.spec.solver, "scene", None),

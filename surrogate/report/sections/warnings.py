@@ -28,6 +28,8 @@ def warnings(content: Content) -> list[str]:
         )
     said += content.not_done
     said += [words for name in content.outputs if (words := uneven(content, name))]
+    said += [loud(content, name) for name in content.noise]
+    said += [f"{one.sentence}." for one in content.suspicious.values()]
     for output in content.outputs:
         said += [*_poor(content, output), *_saturated(content, output)]
         said += [words] if (words := refusal(content, output)) else []
@@ -55,6 +57,16 @@ def uneven(content: Content, output: str) -> str:
         f"p = {digits.figure(scatter.p, 2)}). The intervals, which take it to be the same "
         "everywhere, are too wide at some places and too narrow at others."
     )
+
+
+def loud(content: Content, output: str) -> str:
+    """How much of an output is noise, what helps, and what its learning curve says of more runs."""
+    words = f"{content.noise[output].sentence}."
+    table, best = content.learning, content.best(output)
+    if table is not None and best in table["surrogate"] and output in table["output"]:
+        curve = str(table["sentence"].sel(surrogate=best, output=output).item()).splitlines()
+        words += "".join(f" Learning curve: {one}." for one in curve[:1])
+    return digits.squared(words)
 
 
 def _poor(content: Content, output: str) -> list[str]:

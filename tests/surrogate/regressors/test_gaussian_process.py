@@ -99,6 +99,7 @@ def test_closed_form_leave_out_equals_refits_with_the_same_lengths(trend, groups
         other = GaussianProcess(trend=trend, nugget=1e-3)
         other.columns_, other.points_ = fitted.columns_, fitted.points_[folds != fold]
         other.offset_, other.scale_ = fitted.offset_, fitted.scale_
+        other.log_noise_, other.noise_ = None, fitted.noise_[folds != fold]
         other.standard_, other.n_features_in_ = fitted.standard_[folds != fold], 3
         other._set(fitted.logs_, other._factored(fitted.logs_))
         mean, std = other.predict(x[folds == fold], return_std=True)
