@@ -57,7 +57,13 @@ from surrogate.estimator import (
 )
 from surrogate.sensitivity.missed import largest, smallest
 from surrogate.sensitivity.model import Learnt, Model, Seed, require_at_least
-from surrogate.sensitivity.pick_freeze import mixed_points, product_moments, ratios
+from surrogate.sensitivity.pick_freeze import (
+    Mixing,
+    independent,
+    mixed_points,
+    product_moments,
+    ratios,
+)
 from surrogate.space.space import Space
 
 #: What a measure gives of one function, one array for each kind of index.
@@ -110,12 +116,14 @@ class Measure:
 
     groups  of inputs, as in `pick_freeze`; None for each input alone
     closed  True to use the estimator's own `sobol_indices()`
+    mixing  in place of groups, as in `pick_freeze`
     """
 
     space: Space
     groups: Groups | None = None
     closed: bool = False
     seed: Seed = 0
+    mixing: Mixing | None = None
 
     def of(self, estimator: Predictor) -> Values:
         """first_order, total, second_order of one estimator."""
@@ -125,7 +133,7 @@ class Measure:
             product_moments(
                 estimator.predict,
                 self.space,
-                groups=self.groups,
+                self._mixing,
                 samples=SAMPLES,
                 scramblings=1,
                 seed=self.seed,
@@ -134,10 +142,14 @@ class Measure:
 
     def of_functions(self, functions: Functions, pairs: int) -> list[Values]:
         """The same for each column of functions(coded) (run, count)."""
-        points = mixed_points(self.space, self.groups, pairs, self.seed)
+        points = mixed_points(self.space, self._mixing, pairs, self.seed)
         values = functions(np.concatenate(points)).reshape(len(points), pairs, -1)
         values = values - values.mean(axis=(0, 1))
         return [ratios(columns @ columns.T / pairs) for columns in np.moveaxis(values, 2, 0)]
+
+    @property
+    def _mixing(self) -> Mixing:
+        return self.mixing or independent(self.space, self.groups)
 
 
 @dataclass(frozen=True)

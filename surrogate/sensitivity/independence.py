@@ -19,8 +19,19 @@ def needs_independent(method: Method) -> Method:
     return method
 
 
+def takes_correlated(method: Method) -> Method:
+    """Marks a method that takes correlated parameters, but none that constraints join."""
+    method.__dict__["takes_correlated"] = True
+    return method
+
+
 def spoilt(method: object, space: Space) -> bool:
-    """True when the method needs independent parameters and these are not."""
+    """True when the method needs independent parameters and these are not.
+
+    One that takes correlated ones is spoilt by constraints alone.
+    """
+    if getattr(method, "takes_correlated", False):
+        return bool(space.constraints)
     return bool(getattr(method, "needs_independent", False)) and not space.independent
 
 
@@ -32,4 +43,14 @@ def require_independent(space: Space, method: str) -> None:
             f"sensitivity method {method} needs independent parameters, but these are "
             f"{joined}: first-order and total indices then no longer split the variance (they "
             "may sum to more than 1). Use method shapley, whose effects always sum to 1"
+            + ("" if space.constraints else ", or dependent_sobol")
+        )
+
+
+def require_no_constraints(space: Space, method: str) -> None:
+    """Refuse parameters that constraints join."""
+    if space.constraints:
+        raise StudyError(
+            f"sensitivity method {method} takes correlated parameters, but none that constraints "
+            "join: what is independent of the others is then not defined. Use method shapley"
         )

@@ -49,6 +49,18 @@ BLOCK = 4_000_000
 
 
 @dataclass(frozen=True)
+class Mixing:
+    """How the points A and B are mixed.
+
+    size  number d of the inputs or groups
+    of    uniform numbers u (run, 2 inputs) -> the coded points A, B, A_1 .. A_d, B_1 .. B_d
+    """
+
+    size: int
+    of: Callable[[Array], Iterator[Array]]
+
+
+@dataclass(frozen=True)
 class Sampled:
     """Indices with the half-widths of their sampling intervals.
 
@@ -69,6 +81,7 @@ def pick_freeze(
     space: Space,
     *,
     groups: Groups | None = None,
+    mixing: Mixing | None = None,
     samples: int = 2**14,
     scramblings: int = 8,
     confidence: float = 0.95,
@@ -81,6 +94,7 @@ def pick_freeze(
                  Janon, Klein and Lagnoux 2014, doi 10.1214/14-EJS895)
     groups       lists of input numbers that are moved together; default: each input alone.
                  The indices are then those of the groups, which must not overlap
+    mixing       in place of groups: the indices are those of what it exchanges
     samples      number of pairs (A, B), rounded up to `scramblings` powers of two;
                  (2 d + 2) evaluations each for d groups, in blocks of bounded memory
     scramblings  independent randomisations; their scatter gives the intervals
@@ -88,7 +102,12 @@ def pick_freeze(
     require_at_least(4, scramblings=scramblings)
     require_at_least(8, samples=samples)
     moments = product_moments(
-        predict, space, groups=groups, samples=samples, scramblings=scramblings, seed=seed
+        predict,
+        space,
+        mixing or independent(space, groups),
+        samples=samples,
+        scramblings=scramblings,
+        seed=seed,
     )
     values, errors = jackknife(ratios, moments)
     quantile = stats.t.ppf(0.5 + 0.5 * confidence, scramblings - 1)
@@ -106,30 +125,26 @@ def per_scrambling(samples: int, scramblings: int) -> int:
 def product_moments(
     predict: Predict,
     space: Space,
+    mixing: Mixing,
     *,
-    groups: Groups | None = None,
     samples: int,
     scramblings: int,
     seed: Seed = None,
 ) -> Array:
     """Means of products f(X) f(X') over the points, shape (scramblings, k, k).
 
-    The k = 2 d + 2 columns, for d groups, are A, B, A_1 .. A_d, B_1 .. B_d, less a rough
+    The k = 2 d + 2 columns, for a mixing of size d, are A, B, A_1 .. A_d, B_1 .. B_d, less a rough
     mean of f so that no digits are lost; components of an array are summed. All zero for a
     function that varies by rounding only.
     """
-    d = space.size
-    groups = [[i] for i in range(d)] if groups is None else groups
-    k = 2 * len(groups) + 2
+    k = 2 * mixing.size + 2
     runs = per_scrambling(samples, scramblings)
     centre, width = pilot(predict, space)
     block = block_size(width * k, runs)
     moments = np.zeros((scramblings, k, k))
     for r, generator in enumerate(np.random.default_rng(seed).spawn(scramblings)):
-        for u in unit_blocks(2 * d, runs, block, generator):
-            A, B = space.quantile(u[:, :d]), space.quantile(u[:, d:])
-            mixtures = _mixtures(A, B, groups)
-            columns = np.column_stack([(predict(X) - centre).ravel() for X in mixtures])
+        for u in unit_blocks(2 * space.size, runs, block, generator):
+            columns = np.column_stack([(predict(X) - centre).ravel() for X in mixing.of(u)])
             moments[r] += columns.T @ columns / runs
     constant = np.diagonal(moments.mean(axis=0)).mean() <= ROUNDING * (centre**2).sum()
     return np.zeros_like(moments) if constant else moments
@@ -144,12 +159,21 @@ def unit_blocks(
         yield np.clip(sequence.random(block), 1e-12, 1.0 - 1e-12)
 
 
-def mixed_points(space: Space, groups: Groups | None, runs: int, seed: Seed) -> list[Array]:
+def mixed_points(space: Space, mixing: Mixing, runs: int, seed: Seed) -> list[Array]:
     """The k = 2 d + 2 sets of coded points (runs, parameter), for `runs` a power of two."""
-    groups = [[i] for i in range(space.size)] if groups is None else groups
     u = next(unit_blocks(2 * space.size, runs, runs, np.random.default_rng(seed)))
-    A, B = space.quantile(u[:, : space.size]), space.quantile(u[:, space.size :])
-    return list(_mixtures(A, B, groups))
+    return list(mixing.of(u))
+
+
+def independent(space: Space, groups: Groups | None = None) -> Mixing:
+    """Independent inputs are exchanged, each alone or in groups."""
+    d = space.size
+    moved = [[i] for i in range(d)] if groups is None else groups
+
+    def of(u: Array) -> Iterator[Array]:
+        return _mixtures(space.quantile(u[:, :d]), space.quantile(u[:, d:]), moved)
+
+    return Mixing(len(moved), of)
 
 
 def block_size(width: int, runs: int) -> int:

@@ -15,6 +15,7 @@ PARTS = ("low", "high", "sampling", "surrogate")
 METHODS = {
     "sobol": "Sobol' indices",
     "shapley": "Shapley effects",
+    "dependent_sobol": "full and independent Sobol' indices",
     "morris": "elementary effects (Morris)",
     "dgsm": "squared derivatives (DGSM)",
     "pawn": "PAWN",
@@ -40,6 +41,15 @@ KNOWN = {
         "share of the variance explained by the parameter and what depends on it",
     ),
     "independent_total": (0, "share of the variance due to the independent part of the parameter"),
+    "full_first_order": (
+        0,
+        "share of the variance by the parameter with what depends on it, without interactions",
+    ),
+    "full_total": (0, "the same with interactions"),
+    "independent_first_order": (
+        0,
+        "share of the variance by what is the parameter's own, without interactions",
+    ),
     "effect": (1, "change of the output from the smallest to the largest value, others fixed"),
     "share": (0, "share of the sum of the absolute effects"),
     "share_squared": (0, "share of the sum of squares of the effects"),

@@ -156,6 +156,7 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
         function = plugins.load(plugins.SENSITIVITY, method, reading.folder)
         reading.add(option_mistakes(function, part.options, GIVEN_TO_SENSITIVITY), "sensitivity")
         if space is not None and spoilt(function, space):
+            other = "" if space.constraints else " or dependent_sobol"
             joined, cure = (
                 ("joined by constraints", "drop constraints")
                 if space.constraints
@@ -166,7 +167,7 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
             )
             reading.wrong(
                 f"method {part.method} needs independent parameters, but these are "
-                f"{joined}; use method shapley, or {cure}",
+                f"{joined}; use method shapley{other}, or {cure}",
                 "sensitivity",
                 "method",
             )
