@@ -182,6 +182,8 @@ class Contact:
         d = points - jet[:, 0]
         normal = np.cross(jet[:, 1], jet[:, 2])
         normal /= np.linalg.norm(normal, axis=1)[:, None]
+        if self.surface.flip:
+            normal = -normal
         gap = np.einsum("pc,pc->p", d, normal) - self.offset
         bonded = self._bonded(self.current.bonded)
         p, slope = self.law.pressure(gap, bonded)

@@ -1,19 +1,20 @@
-"""The boundary value problem: a leg, a bandage laid on it, and what holds them.
+"""The boundary value problem: a leg, the bandages laid on it, and what holds them.
 
-Unknowns are displacements, leg nodes first, then the bandage's control points. Units: N,
-mm, MPa.
+Unknowns are displacements, leg nodes first, then the control points of the bandages, the first
+one first. Units: N, mm, MPa.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..bandage.fabric import Fabric
 from ..bandage.shell import Shell
 from ..contact.law import ContactLaw
-from ..contact.point_to_surface import Contact, Points
+from ..contact.point_to_surface import Contact
 from ..geometry.leg import Leg
 from ..surfaces.skin import Skin
 from ..surfaces.strip import Strip
@@ -21,6 +22,7 @@ from ..tissue.mesh import LegMesh, leg_mesh
 from ..tissue.neo_hooke import Tissue
 from ..wrapping.lay import Lay
 from ..wrapping.spiral import Wrap
+from .facing import Facing, facing
 from .newton import Problem, Tolerances
 from .viscosity import Viscosity
 
@@ -84,26 +86,78 @@ class Ends:
     leg: str = "free"
 
 
-@dataclass
-class Model:
-    """A leg with a bandage on it, ready to be solved."""
+@dataclass(frozen=True)
+class Over:
+    """A further bandage over those before it: where it is laid, how, and of what fabric."""
 
-    mesh: LegMesh
+    lay: Lay
+    wrap: Wrap
+    fabric: Fabric
+
+
+@dataclass
+class Wrapped:
+    """A bandage on the leg: its surface, how it was laid, and its parts of the problem."""
+
     strip: Strip
     lay: Lay
     wrap: Wrap
-    X: np.ndarray
     shell: Shell
+    facing: Facing
+
+
+@dataclass
+class Model:
+    """A leg with bandages on it, ready to be solved.
+
+    What belongs to one bandage and is asked of the model is that of the first.
+    """
+
+    mesh: LegMesh
+    X: np.ndarray
     tissue: Tissue
-    skin: Contact
-    layers: Contact
+    bandages: tuple[Wrapped, ...]
     problem: Problem
-    points: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def ndof(self) -> int:
         """Length of the vector of displacements."""
         return self.X.size
+
+    @property
+    def strip(self) -> Strip:
+        """Surface of the first bandage."""
+        return self.bandages[0].strip
+
+    @property
+    def lay(self) -> Lay:
+        """Where the first bandage was laid."""
+        return self.bandages[0].lay
+
+    @property
+    def wrap(self) -> Wrap:
+        """How the first bandage was put on."""
+        return self.bandages[0].wrap
+
+    @property
+    def shell(self) -> Shell:
+        """The first bandage's fabric."""
+        return self.bandages[0].shell
+
+    @property
+    def skin(self) -> Contact:
+        """The first bandage's contact with the skin."""
+        return self.bandages[0].facing.skin
+
+    @property
+    def layers(self) -> Contact:
+        """The first bandage's contact with its own turns."""
+        return self.bandages[0].facing.turns
+
+    @property
+    def points(self) -> dict[str, np.ndarray]:
+        """Which of the first bandage's laid points are in `skin` and in `layers`."""
+        return self.bandages[0].facing.points
 
 
 def mesh_leg(leg: Leg, bone: Leg, mesh: Mesh) -> LegMesh:
@@ -129,31 +183,64 @@ def build(
     ends: Ends,
     solver: str = "auto",
     tolerances: Tolerances | None = None,
+    over: Sequence[Over] = (),
 ) -> Model:
-    """Put the parts together; the bandage's rest length is that of the lay."""
+    """Put the parts together; a bandage's rest length is that of its lay.
+
+    over  further bandages, the one next to the first before those over it
+    """
     count = leg.mesh.nvertices
-    strip = Strip(laid.strip.ns, laid.strip.nw, offset=count)
-    X = np.vstack([leg.mesh.p.T, laid.X])
-    size = (float(laid.lengths.sum()), wrap.width)
-    shell = Shell(strip, size, material.fabric, X)
+    sheets = (Over(laid, wrap, material.fabric), *over)
+    X = np.vstack([leg.mesh.p.T, *(sheet.lay.X for sheet in sheets)])
     tissue = Tissue(leg.mesh, material.c10, material.kappa, n_dofs=X.size)
-    skin, layers, points = _contacts(leg, strip, laid, wrap, material, ends, X)
+    bandages: list[Wrapped] = []
+    for sheet in sheets:
+        strips = [one.strip for one in bandages]
+        bandages.append(_wrapped(leg, strips, sheet, material, ends, X))
     fixed = leg.fixed_dofs(ends.leg)
     if ends.free == "held":
-        last = count + np.arange(strip.ns * (strip.nw + 2), strip.size)
+        last = np.concatenate([_last_row(one.strip) for one in bandages])
         fixed = np.concatenate([fixed, (3 * last[:, None] + np.arange(3)).ravel()])
-    area = _nodal_area(leg, strip, laid, X)
+    area = _nodal_area(leg, bandages, X)
     problem = Problem(
         inner=[tissue],
-        contacts=[skin, layers],
-        others=[shell],
+        contacts=[contact for one in bandages for contact in one.facing.contacts],
+        others=[one.shell for one in bandages],
         viscosity=Viscosity(area),
         fixed=fixed,
         ndof=X.size,
         solver=solver,
         tolerances=tolerances or Tolerances.on_mesh(float(area[count:].mean())),
     )
-    return Model(leg, strip, laid, wrap, X, shell, tissue, skin, layers, problem, points)
+    return Model(leg, X, tissue, tuple(bandages), problem)
+
+
+def _wrapped(leg, strips, sheet, material, ends, X):
+    """A bandage over those of `strips`."""
+    laid, wrap = sheet.lay, sheet.wrap
+    offset = leg.mesh.nvertices + sum(strip.size for strip in strips)
+    strip = replace(laid.strip, offset=offset)
+    return Wrapped(
+        strip,
+        laid,
+        wrap,
+        Shell(strip, (float(laid.lengths.sum()), wrap.width), sheet.fabric, X),
+        facing(
+            laid,
+            [*strips, strip],
+            X,
+            Skin(leg.skin),
+            skin_parameters(leg, laid.skin).reshape(-1, 2),
+            _tied(laid, wrap, ends),
+            material.law(material.mu_skin),
+            material.law(material.mu_bandage),
+        ),
+    )
+
+
+def _last_row(strip):
+    """Control points of the free end."""
+    return strip.offset + np.arange(strip.ns * (strip.nw + 2), strip.size)
 
 
 def midpoints(strip: Strip) -> np.ndarray:
@@ -169,30 +256,7 @@ def skin_parameters(leg: LegMesh, theta_z: np.ndarray) -> np.ndarray:
     return np.stack([turns, (theta_z[..., 1] - leg.z[0]) / step], axis=-1)
 
 
-def _contacts(leg, strip, laid, wrap, material, ends, X):
-    """Contact with the skin and with the turn beneath, with zero gaps as laid."""
-    nodes, weights = strip.stencil(laid.points.reshape(-1, 2))
-    tied = _tied(strip, laid, wrap, ends)
-    cover = laid.cover.ravel()
-    area = laid.area.ravel()
-    on_skin = np.flatnonzero(cover < 1 - 1e-6)
-    on_turn = np.flatnonzero(cover > 1e-6)
-
-    def contact(which, surface, xi, share, mu):
-        points = Points(nodes[which], weights[0][which], share[which], tied[which])
-        law = material.law(mu)
-        part = Contact(points, surface, X, xi[which], np.zeros(len(which)), law)
-        part.close()
-        return part
-
-    seeds = skin_parameters(leg, laid.skin).reshape(-1, 2)
-    skin = contact(on_skin, Skin(leg.skin), seeds, area * (1 - cover), material.mu_skin)
-    beneath = laid.beneath.reshape(-1, 2)
-    layers = contact(on_turn, strip, beneath, area * cover, material.mu_bandage)
-    return skin, layers, {"skin": on_skin, "layers": on_turn}
-
-
-def _tied(strip, laid, wrap, ends):
+def _tied(laid, wrap, ends):
     """Which contact points always stick: those near both ends."""
     row = wrap.stretch * laid.lengths.mean()
     rows = max(int(np.ceil(ends.tied / row)), 2)
@@ -203,11 +267,13 @@ def _tied(strip, laid, wrap, ends):
     return tied.ravel()
 
 
-def _nodal_area(leg, strip, laid, X):
+def _nodal_area(leg, bandages, X):
     """Laid area that belongs to each control point, and skin area to each node of it."""
-    nodes, weights = strip.stencil(laid.points.reshape(-1, 2))
-    shares = weights[0] * laid.area.reshape(-1, 1)
-    area = np.bincount(nodes.ravel(), shares.ravel(), len(X))
+    area = np.zeros(len(X))
+    for one in bandages:
+        nodes, weights = one.strip.stencil(one.lay.points.reshape(-1, 2))
+        shares = weights[0] * one.lay.area.reshape(-1, 1)
+        area += np.bincount(nodes.ravel(), shares.ravel(), len(X))
     xi = np.stack(np.indices(leg.skin.shape), -1).reshape(-1, 2).astype(float)
     jet = Skin(leg.skin).at(xi, X)
     area[leg.skin.ravel()] = np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)

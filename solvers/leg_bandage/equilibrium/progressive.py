@@ -17,6 +17,7 @@ from ..surfaces.skin import Skin
 from ..tissue.mesh import LegMesh
 from ..wrapping.lay import Lay, lay_rows
 from ..wrapping.spiral import Wrap, midline_arc
+from ..wrapping.turns import Turn
 from .loading import bond, slide
 from .model import Model, build, skin_parameters
 
@@ -98,14 +99,21 @@ def _lay_on(surface, laid: Lay, wrap: Wrap, steps, model: Model | None) -> Lay:
     if model is None:
         return now
     rows, old = _kept_rows(model), model.lay
-    fields = ("area", "density", "skin", "cover", "beneath", "layers")
+
+    def join(before, after):
+        return np.concatenate([before[:rows], after[rows:]])
+
     joined = {
-        name: np.concatenate([getattr(old, name)[:rows], getattr(now, name)[rows:]])
-        for name in fields
+        name: join(getattr(old, name), getattr(now, name))
+        for name in ("area", "density", "skin", "layers")
     }
+    beneath = tuple(
+        Turn(ours.bandage, join(ours.xi, theirs.xi), join(ours.share, theirs.share))
+        for ours, theirs in zip(old.beneath, now.beneath, strict=True)
+    )
     points = (rows + 2) * (laid.strip.nw + 2)
     X = np.concatenate([old.X[:points], now.X[points:]])
-    return replace(now, X=X, **joined)
+    return replace(now, X=X, beneath=beneath, **joined)
 
 
 def _carry_on(model: Model, before: Model, u: np.ndarray) -> None:

@@ -9,9 +9,10 @@ import numpy as np
 from surrogate.errors import SolverError
 from surrogate.solver import Output
 
-from ..equilibrium.model import Model
+from ..equilibrium.model import Model, Wrapped
 from ..geometry.landmarks import MEDIAL, RULES, Disc, b1_height, extreme_girths
 from ..geometry.leg import Leg
+from ..wrapping.lay import Lay
 from .pressure_map import field, on_disc, pressure_map
 
 ANGLES = np.arange(0.0, 360.0, 5.0)
@@ -22,7 +23,7 @@ def _mmhg(description: str, gaps: bool = False) -> Output:
     return Output(unit="mmHg", description=description, gaps=gaps)
 
 
-OUTPUTS: Mapping[str, Output] = {
+OUTPUTS: dict[str, Output] = {
     "pressure_b1": _mmhg(
         "mean over the 50 mm sensor: on the medial side at B1, or as far from it "
         "as sensor_around and sensor_up say"
@@ -66,6 +67,16 @@ OUTPUTS: Mapping[str, Output] = {
 }
 
 
+def outputs_of(bandages: int) -> Mapping[str, Output]:
+    """The outputs of a model of so many bandages."""
+    return OUTPUTS | {
+        f"stretch_midline_{number}": Output(
+            description=f"mean warp stretch of the midline of bandage {number}, end turns left out"
+        )
+        for number in range(2, bandages + 1)
+    }
+
+
 def answers(
     leg: Leg, model: Model, u: np.ndarray, rule: str, around: float = 0.0, up: float = 0.0
 ) -> dict[str, float | np.ndarray]:
@@ -81,7 +92,8 @@ def answers(
     sensor = Disc(MEDIAL, z).moved(leg, around, up)
     at_b1, layers = on_disc(found, leg, sensor)
     circle = [on_disc(found, leg, sensor.moved(leg, *shift))[0] for shift in _circle(10.0)]
-    rows = inner_rows(model)
+    rows = inner_rows(model.lay)
+    slip = np.concatenate([sheet.slip.ravel() for sheet in found.sheets])
 
     def pressed(height):
         return on_disc(found, leg, Disc(MEDIAL, height))[0]
@@ -100,15 +112,26 @@ def answers(
         "b1_height": z,
         **{
             f"stretch_{name}": float(values[rows].mean())
-            for name, values in stretches(model, u).items()
+            for name, values in stretches(model.bandages[0], u).items()
         },
-        "slip_max": float(found.slip.max()),
-        "slip_mean": float(found.slip.mean()),
+        **_of_further(model, u),
+        "slip_max": float(slip.max()),
+        "slip_mean": float(slip.mean()),
         "layers_b1": layers,
-        "turns": (model.lay.theta[-1] - model.lay.theta[0]) / (2 * np.pi),
+        "turns": abs(model.lay.theta[-1] - model.lay.theta[0]) / (2 * np.pi),
         "steps": float(cost.steps),
         "iterations": float(cost.iterations),
         "residual": cost.rest,
+    }
+
+
+def _of_further(model, u):
+    """Stretch of the midline of the second bandage and of those after it."""
+    return {
+        f"stretch_midline_{number}": float(
+            stretches(bandage, u)["midline"][inner_rows(bandage.lay)].mean()
+        )
+        for number, bandage in enumerate(model.bandages[1:], start=2)
     }
 
 
@@ -125,23 +148,22 @@ def _circle(radius, places=8):
     return list(zip(radius * np.cos(angle), radius * np.sin(angle), strict=True))
 
 
-def stretches(model: Model, u: np.ndarray) -> dict[str, np.ndarray]:
-    """Warp stretch along the strip at the midline and both edges, {name: (ns,)}."""
-    ns, nw = model.strip.ns, model.strip.nw
+def stretches(bandage: Wrapped, u: np.ndarray) -> dict[str, np.ndarray]:
+    """Warp stretch along a bandage at the midline and both edges, {name: (ns,)}."""
+    ns, nw = bandage.strip.ns, bandage.strip.nw
     rows = np.arange(ns) + 0.5
     lines = {"bottom": 0.0, "midline": nw / 2, "top": float(nw)}
     return {
-        name: model.shell.at(u, np.column_stack([rows, np.full(ns, w)])).warp_stretch
+        name: bandage.shell.at(u, np.column_stack([rows, np.full(ns, w)])).warp_stretch
         for name, w in lines.items()
     }
 
 
-def inner_rows(model: Model) -> slice:
+def inner_rows(laid: Lay) -> slice:
     """Element rows that are at least half a turn away from both ends."""
-    angles = (model.lay.theta[1:] + model.lay.theta[:-1]) / 2
-    inside = np.flatnonzero(
-        (angles > model.lay.theta[0] + np.pi) & (angles < model.lay.theta[-1] - np.pi)
-    )
+    along = np.abs(laid.theta - laid.theta[0])
+    angles = (along[1:] + along[:-1]) / 2
+    inside = np.flatnonzero((angles > np.pi) & (angles < along[-1] - np.pi))
     if not len(inside):
         return slice(0, len(angles))
     return slice(int(inside[0]), int(inside[-1]) + 1)

@@ -13,7 +13,8 @@ import numpy as np
 
 from surrogate.errors import SolverError
 
-from .pressure_map import MMHG, pressure_map
+from ..equilibrium.model import Wrapped
+from .pressure_map import MMHG, Sheet, pressure_map
 from .result import Result
 
 
@@ -33,30 +34,49 @@ def leg_mesh(result: Result) -> meshio.Mesh:
 
 
 def bandage_mesh(result: Result) -> meshio.Mesh:
-    """The deformed bandage: one quadrilateral an element.
+    """The deformed bandages: one quadrilateral an element.
 
-    Cell data: warp stretch, pressure on the skin (mmHg), slip (mm), number of layers.
+    Cell data: warp stretch, pressure on the skin (mmHg), slip (mm), number of layers, and of the
+    bandage, from 1.
     """
-    model = result.model
-    ns, nw = model.strip.ns, model.strip.nw
+    found = pressure_map(result.model, result.u)
+    sheets = zip(result.model.bandages, found.sheets, strict=True)
+    parts = [_sheet_mesh(result, *one) for one in sheets]
+    starts = np.cumsum([0, *(len(points) for points, _, _ in parts[:-1])])
+    data = {name: [np.concatenate([part[2][name] for part in parts])] for name in parts[0][2]}
+    data["bandage"] = [
+        np.concatenate([np.full(len(part[1]), i + 1) for i, part in enumerate(parts)])
+    ]
+    return meshio.Mesh(
+        np.concatenate([part[0] for part in parts]),
+        [
+            (
+                "quad",
+                np.concatenate([q + first for (_, q, _), first in zip(parts, starts, strict=True)]),
+            )
+        ],
+        cell_data=data,
+    )
+
+
+def _sheet_mesh(
+    result: Result, bandage: Wrapped, sheet: Sheet
+) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+    """Points (n, 3), quadrilaterals (ns * nw, 4) and cell data of one bandage."""
+    model, ns, nw = result.model, bandage.strip.ns, bandage.strip.nw
     corners = np.stack(np.meshgrid(np.arange(ns + 1.0), np.arange(nw + 1.0), indexing="ij"), -1)
     x = model.X + result.u.reshape(-1, 3)
-    points = model.strip.at(corners.reshape(-1, 2), x)[:, 0]
+    points = bandage.strip.at(corners.reshape(-1, 2), x)[:, 0]
     number = np.arange((ns + 1) * (nw + 1)).reshape(ns + 1, nw + 1)
     quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], -1)
     middle = corners[:-1, :-1].reshape(-1, 2) + 0.5
-    found = pressure_map(model, result.u)
     data = {
-        "stretch": model.shell.at(result.u, middle).warp_stretch,
-        "pressure_mmHg": found.strip.at(middle, found.pressure)[:, 0, 0] / MMHG,
-        "slip_mm": found.slip.ravel(),
-        "layers": model.lay.layers[:, 1:-1].ravel(),
+        "stretch": bandage.shell.at(result.u, middle).warp_stretch,
+        "pressure_mmHg": sheet.strip.at(middle, sheet.pressure)[:, 0, 0] / MMHG,
+        "slip_mm": sheet.slip.ravel(),
+        "layers": bandage.lay.layers[:, 1:-1].ravel(),
     }
-    return meshio.Mesh(
-        points,
-        [("quad", quads.reshape(-1, 4))],
-        cell_data={name: [values] for name, values in data.items()},
-    )
+    return points, quads.reshape(-1, 4), data
 
 
 def write(result: Result, stem: str | Path, suffix: str = ".vtu") -> tuple[Path, Path]:

@@ -53,7 +53,9 @@ def draw(result: Result, path: str | Path) -> Path:
     along = (np.arange(strip.ns) + 0.5) * model.lay.lengths.mean()
     over = (np.arange(strip.nw) + 0.5) * model.wrap.width / strip.nw - model.wrap.width / 2
     _panel(figure, panels[1, 0], along, over, stretch.T, "Warp stretch", "magma")
-    _panel(figure, panels[1, 1], along, over, found.slip.T, "Slip on the skin, mm", "magma")
+    _panel(
+        figure, panels[1, 1], along, over, found.sheets[0].slip.T, "Slip on the skin, mm", "magma"
+    )
     for panel in panels[1]:
         panel.set_xlabel("along the bandage at rest, mm")
         panel.set_ylabel("across, mm")

@@ -1,9 +1,10 @@
-"""Pressures on the skin, read from the contact forces between skin and bandage.
+"""Pressures on the skin, read from the contact forces between skin and bandages.
 
-The bandage is one sheet in (theta, z) when theta is counted on from turn to turn, so the
+A bandage is one sheet in (theta, z) when theta is counted on from turn to turn, so the
 place of every element midpoint on the skin is a smooth map of the strip's own coordinates.
 It is inverted at each point where a pressure is asked, for every turn that comes by, and
-the turns' pressures are added (only the lowest one touches the skin). Pressure is force
+the turns' pressures are added (only the lowest one touches the skin), and those of all
+bandages. Pressure is force
 per deformed area of skin. Units: mm, MPa inside, mmHg outside.
 """
 
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..equilibrium.model import Model, midpoints, skin_parameters
+from ..equilibrium.model import Model, Wrapped, midpoints, skin_parameters
 from ..geometry.landmarks import Disc
 from ..geometry.leg import Leg
 from ..surfaces.projection import project, solve2
@@ -26,22 +27,40 @@ MMHG = 1.33322e-4
 
 @dataclass(frozen=True)
 class PressureMap:
-    """The bandage on the skin it has come to lie on.
+    """Where the bandages lie on the skin and how they press it; sheets: the first one first."""
+
+    sheets: tuple[Sheet, ...]
+
+    def at(self, theta, z):
+        """Pressure (mmHg) and number of layers at angles and heights, each (n,)."""
+        pressure, layers = self.sheets[0].at(theta, z)
+        for sheet in self.sheets[1:]:
+            more = sheet.at(theta, z)
+            pressure, layers = pressure + more[0], layers + more[1]
+        return pressure, layers
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A bandage on the skin it has come to lie on.
 
     strip     the bandage's parameters, without the leg
-    place     control values (n, 3): theta (unwrapped) and z of the skin beneath, unused
+    place     control values (n, 3): theta (unwrapped, along the bandage) and z of the skin
+              beneath, unused
     pressure  control values (n, 3): pressure on the skin in MPa, unused, unused
     slip      (ns, nw) how far each element slid on the skin, mm
+    sense     1, or -1 for one that goes round the other way, with theta falling
     """
 
     strip: Strip
     place: np.ndarray
     pressure: np.ndarray
     slip: np.ndarray
+    sense: float = 1.0
 
     def at(self, theta, z):
         """Pressure (mmHg) and number of layers at angles and heights, each (n,)."""
-        theta = theta % (2 * np.pi)
+        theta = self.sense * theta % (2 * np.pi)
         total = np.zeros(len(theta))
         layers = np.zeros(len(theta))
         first, last = self.place[:, 0].min(), self.place[:, 0].max()
@@ -79,13 +98,18 @@ class PressureMap:
 
 
 def pressure_map(model: Model, u: np.ndarray) -> PressureMap:
-    """Where the bandage lies at displacements u and how it presses the skin."""
-    strip, laid = Strip(model.strip.ns, model.strip.nw), model.lay
+    """Where the bandages lie at displacements u and how they press the skin."""
+    return PressureMap(tuple(_sheet(model, one, u) for one in model.bandages))
+
+
+def _sheet(model: Model, bandage: Wrapped, u: np.ndarray) -> Sheet:
+    """Where one bandage lies and how it presses the skin."""
+    strip, laid = Strip(bandage.strip.ns, bandage.strip.nw), bandage.lay
     shape = (strip.ns, strip.nw)
     x = model.X + u.reshape(-1, 3)
     skin = Skin(model.mesh.skin)
     seeds = skin_parameters(model.mesh, laid.skin[:, 1:-1]).reshape(-1, 2)
-    where = model.strip.at(midpoints(strip), x)[:, 0]
+    where = bandage.strip.at(midpoints(strip), x)[:, 0]
     xi = project(skin, where, x, seeds)
     jet = skin.at(xi, x)
     slip = np.linalg.norm(np.einsum("pac,pa->pc", jet[:, 1:3], xi - seeds), axis=1)
@@ -95,15 +119,16 @@ def pressure_map(model: Model, u: np.ndarray) -> PressureMap:
     stretch = np.abs(turn[:, 0, 0] * turn[:, 1, 1] - turn[:, 0, 1] * turn[:, 1, 0])
     area = stretch * np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)
     pressure = np.zeros(laid.cover.size)
-    pressure[model.points["skin"]] = model.skin.report(u)["p"]
+    pressure[bandage.facing.points["skin"]] = bandage.facing.skin.report(u)["p"]
     pressure = _on_elements(pressure.reshape(laid.cover.shape) * (1 - laid.cover), laid.area)
     pressure = pressure * laid.density / area.reshape(shape)
 
     turns = 2 * np.pi / len(model.mesh.theta)
     height = model.mesh.z[1] - model.mesh.z[0]
-    place = np.column_stack([xi[:, 0] * turns, model.mesh.z[0] + xi[:, 1] * height])
+    sense = -1.0 if bandage.strip.flip else 1.0
+    place = np.column_stack([sense * xi[:, 0] * turns, model.mesh.z[0] + xi[:, 1] * height])
     places = _spline(place.reshape(*shape, 2))
-    return PressureMap(strip, places, _spline(pressure[..., None]), slip.reshape(shape))
+    return Sheet(strip, places, _spline(pressure[..., None]), slip.reshape(shape), sense)
 
 
 def _on_elements(values, area):

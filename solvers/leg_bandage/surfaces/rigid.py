@@ -10,6 +10,8 @@ import numpy as np
 class Rigid:
     """What surfaces share that no node moves."""
 
+    flip = False
+
     @staticmethod
     def cell(xi):
         """All in one cell, (n, 2)."""

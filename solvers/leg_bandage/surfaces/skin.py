@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,6 +19,7 @@ class Skin:
     """
 
     nodes: np.ndarray
+    flip: ClassVar[bool] = False
 
     def cell(self, xi):
         """Cell of each parameter pair, (n, 2) integers (unwrapped)."""

@@ -20,7 +20,7 @@ from ..outputs.pressure_map import MMHG
 from ..surfaces.rigid import Mandrel
 from ..tissue.mesh import cylindrical_surface, leg_mesh
 from ..wrapping.spiral import Wrap
-from .mandrel import ring_on_tube, ring_wrap, wrap_mandrel
+from .mandrel import Band, MandrelProblem, Ring, ring_wrap, rings_on_tube, wrap_mandrel
 
 
 def limp(tension: float) -> Fabric:
@@ -46,13 +46,40 @@ def band_on_cylinder(tension: float, r: float = 45.0, width: float = 20.0) -> Pr
     return Pressed(float(force / (2 * np.pi * r * width) / MMHG), float(p.std() / p.mean()))
 
 
-def spiral_on_cylinder(per_turn: int = 44) -> float:
-    """V2 and V4: mean over a turn (mmHg) of two layers at pitch 50 mm on r = 45 mm.
+def spiral_on_cylinder(per_turn: int = 44, layers: int = 2, penalty: float = 0.15) -> float:
+    """V2 and V4: mean over a turn (mmHg) of so many layers, 100 mm wide, on r = 45 mm.
 
     Upper layers reach the skin only through lower ones.
     """
-    wrap = Wrap(0, 200, 50, 1.3, 100, 0.02)
+    wrap, turns = _spiral(layers), 2 * layers
     spiral = wrap_mandrel(
+        Mandrel(45, 45),
+        wrap,
+        limp(0.098),
+        ContactLaw(0.2, penalty),
+        turns * per_turn,
+        20,
+        between=ContactLaw(0.6, penalty),
+    )
+    return _mean_over_a_turn(spiral, spiral.slide_to_rest(), wrap, per_turn)
+
+
+def spiral_exactly(layers: int = 2) -> tuple[float, float]:
+    """n T cos^2(beta) / r for n = layers and for n = width / (pitch cos(beta)), mmHg.
+
+    tan(beta) = pitch / (2 pi r); turns are pitch cos(beta) apart, so that the mean over a turn
+    has 2.03 layers at pitch 50 mm.
+    """
+    return _helix_pressure(0.098, layers)
+
+
+def two_bandages_on_cylinder(per_turn: int = 28) -> tuple[float, float]:
+    """V2 of two bandages, the second over the first and round the other way: ours, exact, mmHg.
+
+    Tensions 0.098 and 0.137 N/mm; exact is the sum of n T cos^2(beta) / r.
+    """
+    wrap = _spiral(2)
+    problem = wrap_mandrel(
         Mandrel(45, 45),
         wrap,
         limp(0.098),
@@ -60,23 +87,30 @@ def spiral_on_cylinder(per_turn: int = 44) -> float:
         4 * per_turn,
         20,
         between=ContactLaw(0.6),
+        over=[Band(replace(wrap, reversed=True), limp(0.137), 4 * per_turn, 20)],
     )
-    u = spiral.slide_to_rest()
-    row = spiral.skin.points.nodes[:, 0] // 22
-    turn = (row >= 1.5 * per_turn) & (row < 2.5 * per_turn)
-    force = np.sum((spiral.skin.report(u)["p"] * spiral.skin.points.area)[turn])
-    return float(force / (2 * np.pi * 45 * 50) / MMHG)
+    exact = sum(_helix_pressure(tension, 2)[1] for tension in (0.098, 0.137))
+    return _mean_over_a_turn(problem, problem.slide_to_rest(), wrap, per_turn), exact
 
 
-def spiral_exactly() -> tuple[float, float]:
-    """2 T cos^2(beta) / r, and n T cos^2(beta) / r with n = width / (pitch cos(beta)), mmHg.
+def _spiral(layers: int) -> Wrap:
+    """2 n turns: those in the middle lie under and over as many others as they can."""
+    return Wrap(0, 200, 100 / layers, 1.3, 100, 0.02)
 
-    tan(beta) = pitch / (2 pi r); turns are pitch cos(beta) apart, so that the mean over a turn
-    has n = 2.03 layers.
-    """
-    beta = np.arctan(50 / (2 * np.pi * 45))
-    two = 2 * 0.098 * np.cos(beta) ** 2 / 45 / MMHG
-    return float(two), float(two * 100 / (50 * np.cos(beta)) / 2)
+
+def _mean_over_a_turn(spiral: MandrelProblem, u: np.ndarray, wrap: Wrap, per_turn: int) -> float:
+    """Mean pressure (mmHg) on r = 45 mm under the turn in the middle of the first bandage."""
+    skin, columns = spiral.skin, spiral.strip.nw + 2
+    row, middle = skin.points.nodes[:, 0] // columns, wrap.turns / 2
+    turn = (row >= (middle - 0.5) * per_turn) & (row < (middle + 0.5) * per_turn)
+    force = np.sum((skin.report(u)["p"] * skin.points.area)[turn])
+    return float(force / (2 * np.pi * 45 * wrap.pitch) / MMHG)
+
+
+def _helix_pressure(tension: float, layers: int) -> tuple[float, float]:
+    beta = np.arctan(100 / layers / (2 * np.pi * 45))
+    whole = layers * tension * np.cos(beta) ** 2 / 45 / MMHG
+    return float(whole), float(whole / np.cos(beta))
 
 
 class String(NamedTuple):
@@ -193,21 +227,37 @@ def band_on_soft_tube(K1: float) -> OnTube:
     Bandage and skin do not match: 44 rows on 36 cells round the tube, 5 on 4 along it.
     `thick_cylinder.hooped_exactly` has the answer; its pressure is uniform.
     """
+    return bands_on_soft_tube(K1)[0]
+
+
+def bands_on_soft_tube(*K1: float) -> list[OnTube]:
+    """V3 of bands over each other, the innermost first, each with the pressure beneath it.
+
+    Their meshes match neither the skin nor each other. `thick_cylinder.banded_exactly` has the
+    answer: p_i = (T_i + T_(i+1) + ...) / b.
+    """
     mesh = leg_mesh(
         cylindrical_surface(47.0), cylindrical_surface(15.0), np.linspace(0, 20, 5), 36, 10
     )
-    cloth = replace(limp(0.3 * K1), F1=0.01, F2=0.01, tau12=0.01)
-    ring, _ = ring_on_tube(mesh, cloth, 0.005, 14.3, ContactLaw(0.2), 44, 5)
-    start, _ = ring.problem.newton(np.zeros(ring.X.size))
-    u = ring.slide_to_rest(start)
-    field = ring.shell.at(u, np.column_stack([np.arange(44) + 0.5, np.full(44, 2.5)]))
-    skin = (ring.X + u.reshape(-1, 3))[mesh.skin[:, 2]]
+    fabrics = [replace(limp(0.3 * one), F1=0.01, F2=0.01, tau12=0.01) for one in K1]
+    meshes = [(44, 5), (50, 6), (40, 5)]
+    rings = [Ring(fabric, *size) for fabric, size in zip(fabrics, meshes, strict=False)]
+    problem, _ = rings_on_tube(mesh, rings, 0.005, 14.3, ContactLaw(0.2))
+    start, _ = problem.problem.newton(np.zeros(problem.X.size))
+    u = problem.slide_to_rest(start)
+    skin = (problem.X + u.reshape(-1, 3))[mesh.skin[:, 2]]
     radius = float(np.linalg.norm(skin[:, :2], axis=1).mean())
-    p = ring.skin.report(u)["p"]
-    force = np.sum(p * ring.skin.points.area)
-    return OnTube(
-        radius,
-        float(field.warp_stretch.mean()),
-        float(force / (2 * np.pi * radius * 20) / MMHG),
-        float(p.std() / p.mean()),
-    )
+    found = []
+    for ring, shell, contact in zip(rings, problem.shells, problem.problem.contacts, strict=True):
+        middle = np.column_stack([np.arange(ring.ns) + 0.5, np.full(ring.ns, ring.nw / 2)])
+        p = contact.report(u)["p"]
+        force = np.sum(p * contact.points.area)
+        found.append(
+            OnTube(
+                radius,
+                float(shell.at(u, middle).warp_stretch.mean()),
+                float(force / (2 * np.pi * radius * 20) / MMHG),
+                float(p.std() / p.mean()),
+            )
+        )
+    return found

@@ -6,6 +6,7 @@ annulus is meshed as a leg is, one element high. Units: N, mm, MPa.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -89,9 +90,27 @@ def pressed(
 
 
 def hooped_exactly(K1: float, layers: int, rest: float, c10: float) -> Hoop:
-    """Layers of hoop band of rest radius `rest` on the incompressible annulus, hole free.
+    """Layers of hoop band of rest radius `rest` on the incompressible annulus, hole free."""
+    b = _banded(((layers * K1, rest),), c10)
+    return Hoop(b, b / rest, layers * K1 * (b / rest - 1) / b)
 
-    Balance of p = layers K1 (b / rest - 1) / b with the annulus's outside pressure
+
+def banded_exactly(bands: Sequence[tuple[float, float]], c10: float) -> list[Hoop]:
+    """Hoop bands (K1, rest radius) over each other, the innermost first, pressure beneath each.
+
+    A thin band of tension T_i on radius b carries T_i / b of the pressure beneath it to that
+    above, p_i = p_(i+1) + T_i / b, so that p_i = (T_i + T_(i+1) + ...) / b.
+    """
+    b = _banded(bands, c10)
+    shares = np.array([K1 * (b / rest - 1) / b for K1, rest in bands])
+    beneath = np.cumsum(shares[::-1])[::-1]
+    return [Hoop(b, b / rest, float(p)) for (_, rest), p in zip(bands, beneath, strict=True)]
+
+
+def _banded(bands: Sequence[tuple[float, float]], c10: float) -> float:
+    """Outer radius (mm) at which the annulus holds the bands.
+
+    Balance of p = sum of K1 (b / rest - 1) / b with the annulus's outside pressure
     p = -mu [ln(R / r) + d / (2 r^2)] taken from hole to outside, d = R^2 - r^2, mu = 2 c10.
     """
 
@@ -102,11 +121,12 @@ def hooped_exactly(K1: float, layers: int, rest: float, c10: float) -> Hoop:
         return -2 * c10 * rise
 
     def band_pressure(b):
-        return layers * K1 * (b / rest - 1) / b
+        return sum(K1 * (b / rest - 1) / b for K1, rest in bands)
 
     smallest = np.sqrt(OUTER**2 - INNER**2)
-    b = brentq(lambda b: outside_pressure(b) - band_pressure(b), smallest + 1e-3, OUTER, xtol=1e-12)
-    return Hoop(b, b / rest, band_pressure(b))
+    return float(
+        brentq(lambda b: outside_pressure(b) - band_pressure(b), smallest + 1e-3, OUTER, xtol=1e-12)
+    )
 
 
 def hooped(

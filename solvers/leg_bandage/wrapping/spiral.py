@@ -32,6 +32,8 @@ class Wrap:
     pitch         climb of the midline in one turn, mm
     stretch       warp stretch of the midline
     stretch_free  the same at the free end, if it changes evenly on the way; None: it does not
+    reversed      round the leg the other way, theta falling
+    above         the skin that its innermost layer lies, over padding, mm
     width         of the strip, mm
     thickness     of one layer, mm
     start_angle   theta of the first end (0 is lateral)
@@ -45,6 +47,8 @@ class Wrap:
     thickness: float = 0.5
     start_angle: float = 0.0
     stretch_free: float | None = None
+    reversed: bool = False
+    above: float = 0.0
 
     def stretch_at(self, angles: np.ndarray) -> np.ndarray:
         """Warp stretch of the midline as laid at its angles, straight in the angle."""

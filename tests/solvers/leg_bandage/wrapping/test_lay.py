@@ -66,9 +66,9 @@ def test_a_turn_lies_one_thickness_above_the_turn_beneath():
     whole = laid.cover > 1 - 1e-9
     whole[:100] = False
     above = laid.strip.at(laid.points[whole], laid.X)[:, 0]
-    beneath = laid.strip.at(laid.beneath[whole], laid.X)[:, 0]
+    beneath = laid.strip.at(laid.beneath[0].xi[whole], laid.X)[:, 0]
     radius = [np.linalg.norm(p[:, :2], axis=1) for p in (above, beneath)]
-    deep = (laid.beneath[whole][:, 1] > 11.5) & (laid.beneath[whole][:, 1] < 18)
+    deep = (laid.beneath[0].xi[whole][:, 1] > 11.5) & (laid.beneath[0].xi[whole][:, 1] < 18)
     assert deep.sum() > 50
     assert (radius[0] - radius[1])[deep] == pytest.approx(0.5, abs=0.02)
 

@@ -1,0 +1,98 @@
+"""What faces what: the contacts of a laid bandage with the skin and with the turns beneath.
+
+All gaps are zero as laid. A point that several turns and the skin carry is a point of each of
+these contacts, with its share of the area. Units: N, mm, MPa.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..contact.law import ContactLaw
+from ..contact.point_to_surface import Contact, Points
+from ..surfaces.strip import Strip
+from ..wrapping.lay import Lay
+
+CARRIED = 1e-6
+"""Share below which a surface does not carry a point."""
+
+
+@dataclass
+class Facing:
+    """The contacts of one bandage.
+
+    skin    with the skin
+    turns   with its own turns; without points where it has none beneath
+    over    with the bandages beneath, those that it meets
+    points  which of the laid points (flattened) are those of "skin" and of "layers", its turns
+    """
+
+    skin: Contact
+    turns: Contact
+    over: tuple[Contact, ...]
+    points: dict[str, NDArray[np.intp]]
+
+    @property
+    def contacts(self) -> list[Contact]:
+        """All of them."""
+        return [self.skin, self.turns, *self.over]
+
+
+def facing(
+    laid: Lay,
+    strips: Sequence[Strip],
+    X: NDArray[np.float64],
+    skin: Any,
+    seeds: NDArray[np.float64],
+    tied: NDArray[np.bool_],
+    on_skin: ContactLaw,
+    between: ContactLaw,
+) -> Facing:
+    """The contacts of the last of `strips`, laid as `laid`, with the skin and all of them.
+
+    X (nodes, 3) places of all nodes, kept by reference
+    seeds (points, 2) parameters of the laid points on the surface `skin`
+    tied (points,) those that always stick
+    """
+    number = len(strips) - 1
+    nodes, weights = strips[-1].stencil(laid.points.reshape(-1, 2))
+    area, cover = laid.area.ravel(), laid.cover.ravel()
+
+    def contact(which, surface, xi, share, law):
+        points = Points(nodes[which], weights[0][which], share, tied[which])
+        part = Contact(points, surface, X, xi, np.zeros(len(which)), law)
+        part.close()
+        return part
+
+    bare = np.flatnonzero(cover < 1 - CARRIED)
+    on = [_carried_by(laid, below) for below in range(number + 1)]
+    turns = [
+        contact(which, surface, xi, area[which] * share, between)
+        for surface, (which, xi, share) in zip(strips, on, strict=True)
+    ]
+    return Facing(
+        contact(bare, skin, seeds[bare], (area * (1 - cover))[bare], on_skin),
+        turns[-1],
+        tuple(one for one, (which, _, _) in zip(turns[:-1], on, strict=False) if len(which)),
+        {"skin": bare, "layers": on[-1][0]},
+    )
+
+
+def _carried_by(laid: Lay, bandage: int):
+    """Points that turns of a bandage carry: which, where on it (n, 2), and their shares (n,)."""
+    found = []
+    for turn in laid.beneath:
+        if turn.bandage == bandage:
+            share = turn.share.ravel()
+            which = np.flatnonzero(share > CARRIED)
+            found.append((which, turn.xi.reshape(-1, 2)[which], share[which]))
+    if not found:
+        return np.zeros(0, int), np.zeros((0, 2)), np.zeros(0)
+    which, xi, share = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    order = np.argsort(which, kind="stable")
+    return which[order], xi[order], share[order]
