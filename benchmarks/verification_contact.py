@@ -1,6 +1,6 @@
 """The bandage's contact against exact answers: `python benchmarks/verification_contact.py`.
 
-Prints checks V2 to V9 (README.md of `solvers/leg_bandage`); half a minute. V1 and V10 are
+Prints checks V2 to V9 (README.md of `solvers/leg_bandage`); a minute and a half. V1 and V10 are
 printed by `verification_material.py`, V12 by `convergence.py`, V13 by `smoothness.py`.
 """
 
@@ -14,15 +14,17 @@ from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG
 from surrogate_solvers.leg_bandage.verification.bands import (
     band_on_cylinder,
     band_on_soft_tube,
+    bands_on_soft_tube,
     capstan,
     slide_down_cone,
     spiral_exactly,
     spiral_on_cylinder,
     stretches_on_cone,
     string_on_ellipse,
+    two_bandages_on_cylinder,
 )
 from surrogate_solvers.leg_bandage.verification.flat_patch import press, settlement_exactly
-from surrogate_solvers.leg_bandage.verification.thick_cylinder import hooped_exactly
+from surrogate_solvers.leg_bandage.verification.thick_cylinder import banded_exactly, hooped_exactly
 
 
 def main() -> None:
@@ -48,6 +50,20 @@ def numbers():
     ours = spiral_on_cylinder()
     yield "V2, V4 spiral, 2.03 layers, mean over a turn, mmHg", exact, ours
     yield "V2, V4 the same for exactly two layers, mmHg", two, ours * two / exact
+    for layers in (3, 4, 5):
+        _, exact = spiral_exactly(layers)
+        ours = spiral_on_cylinder(28, layers)
+        yield f"V2 spiral of {layers} layers, mean over a turn, mmHg", exact, ours
+    ours, exact = two_bandages_on_cylinder()
+    yield "V2 two bandages that cross, mean over a turn, mmHg", exact, ours
+    for several in ((0.196667,) * 3, (0.196667, 0.456667)):
+        exactly = banded_exactly([(K1, 47 / 1.3) for K1 in several], 0.005)
+        for number, (exact, found) in enumerate(
+            zip(exactly, bands_on_soft_tube(*several), strict=True), start=1
+        ):
+            case = f"V3 band {number} of {len(several)} on a soft tube, K1 = {several[number - 1]}"
+            yield f"{case}, radius mm", exact.radius, found.radius
+            yield f"{case}, mmHg", exact.pressure / MMHG, found.pressure
     for K1 in (0.098 / 0.3, 0.196667):
         exact, found = hooped_exactly(K1, 1, 47 / 1.3, 0.005), band_on_soft_tube(K1)
         case = f"V3, V8 band in contact with a soft tube, K1 = {K1:.4f} N/mm,"

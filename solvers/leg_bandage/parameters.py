@@ -161,7 +161,7 @@ INPUTS: Mapping[str, Input] = {
     ),
     "overlap": Input(
         nominal=0.5,
-        range=(0.2, 0.75),
+        range=(0.2, 0.8),
         description="share of the width that lies on the turn before",
         source=f"{PAPER}: 0.5, two layers",
     ),

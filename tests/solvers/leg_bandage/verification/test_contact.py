@@ -11,6 +11,7 @@ from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG
 from surrogate_solvers.leg_bandage.verification.bands import (
     band_on_cylinder,
     band_on_soft_tube,
+    bands_on_soft_tube,
     capstan,
     curvature,
     slide_down_cone,
@@ -18,6 +19,7 @@ from surrogate_solvers.leg_bandage.verification.bands import (
     spiral_on_cylinder,
     stretches_on_cone,
     string_on_ellipse,
+    two_bandages_on_cylinder,
 )
 from surrogate_solvers.leg_bandage.verification.flat_patch import (
     MARGIN,
@@ -33,6 +35,7 @@ from surrogate_solvers.leg_bandage.verification.legs import (
     validation_leg,
 )
 from surrogate_solvers.leg_bandage.verification.sweeps import Case, solve_all
+from surrogate_solvers.leg_bandage.verification.thick_cylinder import banded_exactly
 
 
 @pytest.mark.parametrize("tension, mmhg", [(0.059, 9.835), (0.098, 16.335), (0.137, 22.835)])
@@ -51,6 +54,49 @@ def test_spiral_on_rigid_cylinder():
     two_layers, exact = spiral_exactly()
     assert two_layers == pytest.approx(31.68, abs=0.01)
     assert spiral_on_cylinder(per_turn=28) == pytest.approx(exact, rel=4e-3)
+
+
+@pytest.mark.parametrize("layers, mmhg", [(3, 48.67), (4, 65.08)])
+def test_spiral_with_more_overlap(layers, mmhg):
+    """V2 with overlap 2/3 and 3/4: each turn presses through all turns beneath it.
+
+    Penetration takes 0.02 mm off the radius under three layers and 0.07 mm under four, and
+    4.3 times that share off the tension: 0.4 and 0.7 % of the pressure.
+    """
+    _, exact = spiral_exactly(layers)
+    assert exact == pytest.approx(mmhg, abs=0.01)
+    assert spiral_on_cylinder(per_turn=28, layers=layers) == pytest.approx(exact, rel=9e-3)
+
+
+def test_two_bandages_on_rigid_cylinder():
+    """V2: two bandages that cross press with the sum of n T cos^2(beta) / r, 77.1 mmHg.
+
+    Penetration at this pressure takes 1.1 % off the tension.
+    """
+    found, exact = two_bandages_on_cylinder()
+    assert exact == pytest.approx(77.14, abs=0.01)
+    assert found == pytest.approx(exact, rel=1.5e-2)
+
+
+@pytest.mark.parametrize(
+    "K1, radius, mmhg",
+    [
+        ((0.196667,) * 3, 46.2826, (26.788, 17.858, 8.929)),
+        ((0.196667, 0.456667), 46.2289, (29.540, 20.648)),
+    ],
+)
+def test_bands_over_each_other_on_a_soft_tube(K1, radius, mmhg):
+    """V3 of three bands and of two of unlike stiffness: p_i = (T_i + T_(i+1) + ...) / b.
+
+    Beneath the outer of two bands acts its own T / b only. Meshes of bands and skin do not match.
+    """
+    exact = banded_exactly([(one, 47 / 1.3) for one in K1], c10=0.005)
+    assert [one.pressure / MMHG for one in exact] == pytest.approx(mmhg, abs=0.001)
+    for found, band in zip(bands_on_soft_tube(*K1), exact, strict=True):
+        assert found.radius == pytest.approx(radius, abs=0.01)
+        assert found.stretch == pytest.approx(band.stretch, rel=2e-3)
+        assert found.pressure == pytest.approx(band.pressure / MMHG, rel=5e-3)
+        assert found.scatter < 0.08
 
 
 @pytest.mark.parametrize("a, b, ends", [(50, 44, (37.97, 25.87)), (55, 40, (50.54, 19.44))])

@@ -13,7 +13,7 @@ from surrogate_solvers.leg_bandage.geometry.bone import bone_envelope
 from surrogate_solvers.leg_bandage.geometry.leg import Leg
 from surrogate_solvers.leg_bandage.surfaces.rigid import Mandrel
 from surrogate_solvers.leg_bandage.verification.mandrel import around
-from surrogate_solvers.leg_bandage.wrapping.lay import element_rows, lay
+from surrogate_solvers.leg_bandage.wrapping.lay import element_rows, lay, mirrored
 from surrogate_solvers.leg_bandage.wrapping.spiral import Wrap, wrap_for
 
 CYLINDER = around(Mandrel(45, 45))
@@ -92,6 +92,32 @@ def test_areas_of_contact_points_add_up():
     laid = lay(CYLINDER, replace(SPIRAL, thickness=1e-6), 176, 20)
     helix = np.hypot(200, 4 * 2 * np.pi * 45)
     assert laid.area.sum() == pytest.approx(helix * 100, rel=1e-3)
+
+
+def test_the_other_way_round_is_the_mirror_image():
+    """On a leg and on its mirror image; X and skin are mirrored, everything else is the same."""
+    leg = Leg.from_alphas(237.9, shipped_basis().mean).extended(85, 25)
+    wrap = wrap_for(237.9, overlap=0.5, thickness=0.7)
+    laid = lay(mirrored(leg.surface), wrap, 60, 8)
+    back = lay(leg.surface, replace(wrap, reversed=True), 60, 8)
+    assert np.allclose(laid.X * [1, -1, 1], back.X)
+    assert np.array_equal(back.theta, -laid.theta) and back.strip.flip
+    assert np.array_equal(back.layers, laid.layers)
+
+
+def test_a_bandage_lies_over_all_that_is_beneath():
+    """Two bandages of half overlap make four layers, and shares of what carries add up to one."""
+    first = lay(CYLINDER, SPIRAL, 176, 10)
+    for way in (False, True):
+        wrap = replace(SPIRAL, reversed=way, thickness=1.0)
+        second = lay(CYLINDER, wrap, 176, 12, [first])
+        middle = slice(75, 101)
+        layers = second.layers[middle, 2]
+        assert layers.min() == pytest.approx(4) and layers.mean() < 4.1
+        assert second.cover[middle] == pytest.approx(1, abs=1e-6)
+        four = middle.start + np.flatnonzero(layers < 4 + 1e-9)
+        top = second.strip.at(second.points[four, 2], second.X)[:, 0]
+        assert np.linalg.norm(top[:, :2], axis=1) == pytest.approx(45 + 2 * 0.5 + 1.5, abs=0.02)
 
 
 def test_too_short_a_leg():
