@@ -1,4 +1,4 @@
-"""Methods whose results dependent parameters would spoil."""
+"""What sensitivity methods ask for: independent parameters or not, a surrogate or the runs."""
 
 from __future__ import annotations
 
@@ -23,6 +23,17 @@ def takes_correlated(method: Method) -> Method:
     """Marks a method that takes correlated parameters, but none that constraints join."""
     method.__dict__["takes_correlated"] = True
     return method
+
+
+def reads_runs(method: Method) -> Method:
+    """Marks a method that reads the runs themselves, and no surrogate."""
+    method.__dict__["reads_runs"] = True
+    return method
+
+
+def needs_no_surrogate(method: object) -> bool:
+    """True when the method reads the runs themselves."""
+    return bool(getattr(method, "reads_runs", False))
 
 
 def spoilt(method: object, space: Space) -> bool:

@@ -65,7 +65,7 @@ def target(
             f"sensitivity method target takes single numbers, but {one.output} is an array; "
             "use method sobol or shapley"
         )
-    event = _event(one.output, above, below)
+    event = event_of(one.output, above, below)
     measure = Occurring(Measure(space, seed=seed), event)
     share = float(event.of(one.predict(space.sample(samples, seed=integer_seed(seed)))).mean())
     found = pick_freeze(
@@ -141,9 +141,10 @@ class Occurring:
         )
 
 
-def _event(output: str, above: Limit | None, below: Limit | None) -> Event:
+def event_of(output: str, above: Limit | None, below: Limit | None) -> Event:
+    """The event of one output; raises `StudyError` unless just one of both limits is given."""
     if (above is None) == (below is None):
-        raise StudyError("sensitivity method target needs a limit: give above: or below:, not both")
+        raise StudyError("a limit is needed: give above: or below:, not both")
     limit = below if above is None else above
     if isinstance(limit, Mapping):
         limit = limit.get(output, np.nan)

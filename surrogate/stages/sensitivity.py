@@ -12,6 +12,9 @@ import xarray as xr
 from surrogate.fitting import comparison as comparing
 from surrogate.fitting.fit import Fit
 from surrogate.fitting.noise import q2_of_mean
+from surrogate.runs import dataset as rundata
+from surrogate.sensitivity.given_data import Runs
+from surrogate.sensitivity.independence import needs_no_surrogate
 from surrogate.sensitivity.table import combine
 from surrogate.space.space import Space
 from surrogate.stages.fits import Fits
@@ -34,11 +37,29 @@ class SensitivityMethod:
 def jobs(
     sensitivity_method: SensitivityMethod | None,
     space: Space,
+    outputs: Iterable[str],
+    runs: xr.Dataset,
     fits: Fits,
     comparison: xr.Dataset | None,
 ) -> list[Job]:
     """The indices of each output; no job when none are asked for or nothing was fitted."""
-    if sensitivity_method is None or comparison is None:
+    if sensitivity_method is None:
+        return []
+    if needs_no_surrogate(sensitivity_method.function):
+        return [
+            Job(
+                f"{sensitivity_method.name} of {output}",
+                indices,
+                {
+                    "method": sensitivity_method,
+                    "space": space,
+                    "fit": _table(runs, output),
+                    "q2": float("nan"),
+                },
+            )
+            for output in outputs
+        ]
+    if comparison is None:
         return []
     return [
         Job(
@@ -55,12 +76,25 @@ def jobs(
     ]
 
 
+def _table(runs: xr.Dataset, output: str) -> Runs:
+    """All finished runs of one output, whatever their design.
+
+    A run of a deterministic solver that several designs share counts once.
+    """
+    designs = dict.fromkeys(runs["design"].values.tolist())
+    coded, values = rundata.training(runs, output, designs)
+    if str(runs.attrs.get("deterministic", "true")).lower() != "false":
+        once = np.sort(np.unique(np.round(coded, 9), axis=0, return_index=True)[1])
+        coded, values = coded[once], values[once]
+    return Runs(output, coded, values)
+
+
 def analysed(method: SensitivityMethod, fits: Fits, comparison: xr.Dataset) -> dict[str, Fit]:
     """The fit of each output that sensitivity reads."""
     return comparing.chosen(method.surrogate, comparing.best(comparison), fits)
 
 
-def indices(method: SensitivityMethod, space: Space, fit: Fit, q2: float) -> xr.Dataset:
+def indices(method: SensitivityMethod, space: Space, fit: Fit | Runs, q2: float) -> xr.Dataset:
     """Indices of one output; the method is told what it asks for besides its options."""
     taken = parameters_of(method.function)
     offered = {"seed": 0, "q2": q2, "groups": method.groups}
@@ -98,9 +132,14 @@ def gather(done: Iterable[tuple[Job, Result]]) -> Result:
 
 
 def all_indices(
-    method: SensitivityMethod | None, space: Space, fits: Fits, comparison: xr.Dataset | None
+    method: SensitivityMethod | None,
+    space: Space,
+    outputs: Iterable[str],
+    runs: xr.Dataset,
+    fits: Fits,
+    comparison: xr.Dataset | None,
 ) -> xr.Dataset | None:
     """The indices of all outputs, one after the other; raises what keeps one from being had."""
-    asked = jobs(method, space, fits, comparison)
+    asked = jobs(method, space, outputs, runs, fits, comparison)
     found = [job.function(**job.arguments) for job in asked]
     return combine(found) if found else None

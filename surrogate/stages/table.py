@@ -135,8 +135,8 @@ STAGES = (
     ),
     Stage(
         "sensitivity",
-        reads=("sensitivity_method", "space"),
-        needs=("fits", "comparison"),
+        reads=("sensitivity_method", "space", "outputs"),
+        needs=("runs", "fits", "comparison"),
         jobs=sensitivity.jobs,
         does=sensitivity.gather,
         files=_netcdf("sensitivity.nc"),

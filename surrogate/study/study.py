@@ -231,7 +231,9 @@ class Study(Description):
         there is one.
         """
         table = self.compare(fits, runs) if table is None else table
-        return analysing.all_indices(self.sensitivity_method, self.space, fits, table)
+        return analysing.all_indices(
+            self.sensitivity_method, self.space, self.outputs, runs, fits, table
+        )
 
     def screening(
         self, fits: Fits, table: xr.Dataset | None, indices: xr.Dataset | None

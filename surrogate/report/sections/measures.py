@@ -16,6 +16,7 @@ METHODS = {
     "sobol": "Sobol' indices",
     "shapley": "Shapley effects",
     "dependent_sobol": "full and independent Sobol' indices",
+    "given_data": "first-order indices of the runs themselves",
     "morris": "elementary effects (Morris)",
     "dgsm": "squared derivatives (DGSM)",
     "pawn": "PAWN",
@@ -33,6 +34,7 @@ KNOWN = {
     "median": (0, "median distance of the conditional distributions (PAWN)"),
     "mean": (0, "mean distance of the conditional distributions (PAWN)"),
     "maximum": (0, "largest distance of the conditional distributions (PAWN)"),
+    "first_order": (0, "share of the variance by the parameter alone, without interactions"),
     "first_order_rbd": (0, "share of the variance by the parameter alone (RBD-FAST)"),
     "quantile_share": (0, "share of the loss at the quantile that knowing the parameter saves"),
     "shapley": (0, "Shapley effect: share of the variance, dependence split evenly"),
@@ -154,8 +156,9 @@ def method_of(table: xr.Dataset) -> str:
     method = str(table.attrs.get("method", ""))
     words = [METHODS.get(method, method.replace("_", " "))]
     if table.attrs.get("event"):
-        share = digits.figure(float(table["probability"]))
-        words += [f"of whether it is {table.attrs['event']} (probability {share})"]
+        words += [f"of whether it is {table.attrs['event']}"]
+        if "probability" in table:
+            words += [f"(probability {digits.figure(float(table['probability']))})"]
     surrogate = str(table.attrs.get("surrogate", ""))
     words += [f"of surrogate {surrogate}"] if surrogate else []
     computed = str(table.attrs.get("computed", ""))

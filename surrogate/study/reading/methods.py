@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from surrogate.designs.design import Design
-from surrogate.errors import Mistake, StudyError, nearest
+from surrogate.errors import Mistake, PluginError, StudyError, nearest
 from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
-from surrogate.sensitivity.independence import spoilt
+from surrogate.sensitivity.independence import needs_no_surrogate, spoilt
 from surrogate.space.space import Space
 from surrogate.stages.fits import Surrogate, learns_from_levels
 from surrogate.stages.plugin import call, parameters_of
@@ -149,10 +150,9 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
                 "screening needs sensitivity: {method: sobol}, or shapley", "screening", on_key=True
             )
         return None
-    needed = "sensitivity reads a surrogate"
-    check_surrogate(reading, part.surrogate, needed, "sensitivity", on_key=True)
+    method = _method(part, space)
+    _check_reads(reading, part, method)
     with reading.mistakes_at("sensitivity", "method"):
-        method = _method(part, space)
         function = plugins.load(plugins.SENSITIVITY, method, reading.folder)
         reading.add(option_mistakes(function, part.options, GIVEN_TO_SENSITIVITY), "sensitivity")
         if space is not None and spoilt(function, space):
@@ -183,6 +183,22 @@ def sensitivity_of(reading: Reading, space: Space | None) -> SensitivityMethod |
             method, function, part.options, part.surrogate, part.confidence, part.groups
         )
     return None
+
+
+def _check_reads(reading: Reading, part: SensitivityPart, method: str) -> None:
+    """The surrogate that the method reads is there; one that reads runs is given none."""
+    function = None
+    with suppress(PluginError):  # told when it is loaded for use
+        function = plugins.load(plugins.SENSITIVITY, method, reading.folder)
+    if not needs_no_surrogate(function):
+        needed = "sensitivity reads a surrogate"
+        check_surrogate(reading, part.surrogate, needed, "sensitivity", on_key=True)
+    elif "surrogate" in part.model_fields_set:
+        reading.wrong(
+            f"method {method} reads the runs and no surrogate; leave this out",
+            "sensitivity",
+            "surrogate",
+        )
 
 
 def _method(part: SensitivityPart, space: Space | None) -> str:
