@@ -74,6 +74,7 @@ def check(study: Study, results: Path, model: str | None = None, effect: float =
                 "resolution": a.resolution,
                 "word_length_pattern": a.word_length_pattern,
                 "table": a.table,
+                "blocks": dict(a.blocks),
             }
             for name, a in aliases.items()
         },

@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike
 from surrogate.designs import regular_fraction
 from surrogate.space.space import Space
 
+#: Factors of an effect that is named as confounded with blocks.
+HIGHEST = 6
 #: With more generators than this, the defining words are too many to list.
 LISTED_GENERATORS = 12
 
@@ -29,14 +31,30 @@ class Aliasing:
                          2^p - 1 of them, or p that generate them when p > 12
     table                (effect, aliases) of main effects and two-factor interactions; an
                          alias `-a:b` is estimated with its sign reversed
+    blocks               (parameter of more than two levels, effects that are constant at each
+                         of them): confounded with its differences
     """
 
     resolution: int | None
     word_length_pattern: tuple[int, ...]
     defining_words: tuple[str, ...]
     table: tuple[tuple[str, list[str]], ...]
+    blocks: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     def __str__(self) -> str:
+        return "\n".join([self._fraction, *self.confounded])
+
+    @property
+    def confounded(self) -> list[str]:
+        """A sentence for each parameter of blocks."""
+        return [
+            f"differences between levels of {name} are confounded with {', '.join(effects)}"
+            for name, effects in self.blocks
+            if effects
+        ]
+
+    @property
+    def _fraction(self) -> str:
         if self.resolution is None:
             return "full factorial: no effect is aliased"
         words = " = ".join(self.defining_words[:16])
@@ -60,9 +78,17 @@ def aliasing(space: Space, coded: ArrayLike) -> Aliasing | None:
     """Aliasing of the design `coded`, (run, parameter); None unless it is a regular fraction.
 
     Centre points are left aside. A regular fraction has levels -1 and 1 only, its distinct
-    runs form a coset, and each is run equally often.
+    runs form a coset, and each is run equally often. Parameters with more than two named levels
+    are taken as blocks.
     """
-    corners = _corners(space, np.atleast_2d(np.asarray(coded, dtype=float)))
+    points = np.atleast_2d(np.asarray(coded, dtype=float))
+    many = [j for j, p in enumerate(space.parameters) if len(p.levels) > 2]
+    if len(many) == space.size:
+        return None
+    kept = [j for j in range(space.size) if j not in many]
+    blocked, space = space, Space(tuple(space.parameters[j] for j in kept))
+    inner = _inner(space, points[:, kept])
+    corners = _corners(space, points[:, kept])
     basis = None if corners is None else _basis(corners)
     if corners is None or basis is None:
         return None
@@ -73,14 +99,36 @@ def aliasing(space: Space, coded: ArrayLike) -> Aliasing | None:
         lengths[3:],
         _words(basis, rows[0], space.names),
         _table(rows, space.names),
+        tuple((blocked.names[j], _constant(corners, points[inner, j], space.names)) for j in many),
     )
+
+
+def _inner(space: Space, coded: np.ndarray) -> np.ndarray:
+    """Which rows are no centre points, (run,)."""
+    continuous = [j for j, p in enumerate(space.parameters) if not p.categorical]
+    if not continuous:
+        return np.ones(len(coded), dtype=bool)
+    return np.asarray(np.abs(coded[:, continuous]).max(axis=1) > 1e-9)
+
+
+def _constant(corners: np.ndarray, levels: np.ndarray, names: tuple[str, ...]) -> tuple[str, ...]:
+    """Effects that do not vary at any of the levels (run,), the shortest of those aliased."""
+    which = np.unique(levels, return_inverse=True)[1].ravel()
+    count, seen, found = np.bincount(which), set(), []
+    for order in range(1, min(len(names), HIGHEST) + 1):
+        for term in itertools.combinations(range(len(names)), order):
+            column = corners[:, term].prod(axis=1)
+            within = np.abs(np.bincount(which, column)) == count
+            key = (column * column[0]).tobytes()
+            if within.all() and key not in seen and np.ptp(column) > 0.0:
+                seen.add(key)
+                found.append(":".join(names[j] for j in term))
+    return tuple(found)
 
 
 def _corners(space: Space, coded: np.ndarray) -> np.ndarray | None:
     """Rows without centre points; None unless all have levels -1 and 1 only."""
-    continuous = [j for j, p in enumerate(space.parameters) if not p.categorical]
-    if continuous:
-        coded = coded[np.abs(coded[:, continuous]).max(axis=1) > 1e-9]
+    coded = coded[_inner(space, coded)]
     if len(coded) == 0 or np.abs(np.abs(coded) - 1.0).max() > 1e-9:
         return None
     signs: np.ndarray = np.sign(coded)

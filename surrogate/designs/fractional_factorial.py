@@ -12,6 +12,7 @@ import numpy as np
 
 from surrogate.designs import generators as products
 from surrogate.designs import regular_fraction
+from surrogate.designs.blocks import block_numbers, block_parameter
 from surrogate.designs.center_points import centers
 from surrogate.designs.minimum_aberration import fewest_runs, fraction
 from surrogate.designs.requirements import affordable, two_level, uncut, whole
@@ -28,6 +29,7 @@ def fractional_factorial(
     resolution: int | str | None = None,
     runs: int | None = None,
     generators: list[str] | None = None,
+    blocks: str | None = None,
     center_points: int = 0,
     seed: int | None = None,
 ) -> np.ndarray:
@@ -37,8 +39,32 @@ def fractional_factorial(
     resolution   smallest fraction with at least this resolution, 3 or more, or III, IV, V
     runs         fraction of the least aberration with this power of two of runs
     generators   ["D = AB", "E = AC"] by position, or "length = tension * mu_skin" by name
+    Besides
+    blocks       a parameter with 2, 4, 8, .. levels (days, batches, machines): runs are divided
+                 among them so that no main effect and as few two-factor interactions as can be
+                 are confounded with differences between blocks, and stand block by block
     `surrogate.designs.aliasing.aliasing` tells what is confounded with what.
     """
+    if blocks is not None:
+        return _in_blocks(space, blocks, center_points, resolution, runs, generators)
+    coded = _corners(space, resolution, runs, generators)
+    coded = np.vstack([coded, centers(space, center_points)])
+    return uncut(space, coded, "fractional_factorial")
+
+
+def _in_blocks(space: Space, blocks: str, center_points: int, *given: Any) -> np.ndarray:
+    """The fraction of the other parameters, and the block of each run as the level of this one."""
+    own = block_parameter(space, blocks)
+    others = Space(tuple(p for p in space.parameters if p.name != blocks))
+    corners = _corners(others, *given)
+    levels = space[blocks].coded_levels
+    block = block_numbers(corners, len(levels))
+    coded = np.insert(corners, own, levels[block], axis=1)[np.argsort(block, kind="stable")]
+    coded = np.vstack([coded, centers(space, center_points)])
+    return uncut(space, coded, "fractional_factorial")
+
+
+def _corners(space: Space, resolution: Any, runs: Any, generators: Any) -> np.ndarray:
     two_level(space, "fractional_factorial")
     given = [option for option in (resolution, runs, generators) if option is not None]
     if len(given) != 1:
@@ -47,12 +73,9 @@ def fractional_factorial(
             f"({len(given)} given); resolution: 4 is a good start"
         )
     if generators is not None:
-        coded = _by_generators(space, generators)
-    else:
-        masks = _by_resolution(space, resolution) if runs is None else _by_runs(space, runs)
-        coded = regular_fraction.matrix(masks, max(masks).bit_length())
-    coded = np.vstack([coded, centers(space, center_points)])
-    return uncut(space, coded, "fractional_factorial")
+        return _by_generators(space, generators)
+    masks = _by_resolution(space, resolution) if runs is None else _by_runs(space, runs)
+    return regular_fraction.matrix(masks, max(masks).bit_length())
 
 
 def _by_resolution(space: Space, resolution: Any) -> tuple[int, ...]:

@@ -98,8 +98,12 @@ def _points(content: Content) -> Figure:
 
 def _aliases(design: str, aliasing: Aliasing) -> list[Block]:
     resolution = aliasing.resolution
+    blocks = [
+        Text(f"{digits.capital(one.replace(':', ' × '))}.", "note") for one in aliasing.confounded
+    ]
     if resolution is None:
-        return [Text(f"Design {design} is a full factorial: no effect is aliased.", "note")]
+        full = Text(f"Design {design} is a full factorial: no effect is aliased.", "note")
+        return [full, *blocks]
     chains = tuple(
         (Cell(_effect(first)), Cell(", ".join(map(_effect, others))))
         for first, *others in aliasing.chains
@@ -127,6 +131,7 @@ def _aliases(design: str, aliasing: Aliasing) -> list[Block]:
             (table, told),
             open=len(chains) <= 16,
         ),
+        *blocks,
     ]
 
 
