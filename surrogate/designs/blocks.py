@@ -27,6 +27,8 @@ COUNTED = 3
 
 #: Numbers of main effects, two- and three-factor interactions, and minus the sum of all orders.
 Worth = tuple[int, ...]
+#: Block effects -> what they cost, and effects that generate them.
+Sets = dict[frozenset[int], tuple[Worth, list[int]]]
 
 
 def block_parameter(space: Space, name: str) -> int:
@@ -74,7 +76,9 @@ def block_numbers(corners: NDArray[np.float64], count: int) -> NDArray[np.intp]:
 def _coordinates(corners: NDArray[np.float64]) -> tuple[NDArray[np.intp], list[int]]:
     """Bits (n, m) of each run, and of each factor the bits whose sum it is, as a mask."""
     bits = (corners > 0).astype(np.intp)
-    reduced, base, masks = [((1 << len(bits)) - 1, 0)], [], []
+    reduced = [((1 << len(bits)) - 1, 0)]
+    base: list[int] = []
+    masks: list[int] = []
     for j, column in enumerate(bits.T):
         value, mask = int("".join(map(str, column)), 2), 0
         for known, sums in reduced:
@@ -92,9 +96,9 @@ def _coordinates(corners: NDArray[np.float64]) -> tuple[NDArray[np.intp], list[i
 def _search(masks: list[int], base: int, wanted: int) -> list[int] | None:
     """Generators of the best set of block effects; None when all sets hold a main effect."""
     single = _worths(masks, base)
-    sets = {frozenset([0]): ((0,) * (COUNTED + 1), [])}
+    sets: Sets = {frozenset([0]): ((0,) * (COUNTED + 1), [])}
     for _ in range(wanted):
-        grown: dict[frozenset[int], tuple[Worth, list[int]]] = {}
+        grown: Sets = {}
         for group, (_, generators) in sets.items():
             for v in range(1, 2**base):
                 if v in group or (new := group | {v ^ one for one in group}) in grown:
