@@ -31,7 +31,7 @@ from scipy import stats
 from surrogate.errors import StudyError
 from surrogate.estimator import Array
 from surrogate.sensitivity.independence import reads_runs
-from surrogate.sensitivity.model import Model
+from surrogate.sensitivity.model import Model, Seed
 from surrogate.sensitivity.table import Estimate, Variables, dataset
 from surrogate.sensitivity.target import Event, event_of
 from surrogate.space.space import Space
@@ -58,6 +58,7 @@ def given_data(
     fit: Runs,
     space: Space,
     *,
+    seed: Seed = 0,
     harmonics: int | None = None,
     above: float | dict[str, float] | None = None,
     below: float | dict[str, float] | None = None,
@@ -66,6 +67,7 @@ def given_data(
     """First-order indices of one output from all runs of the study, without a surrogate.
 
     fit        anything with `output`, `coded` and `values`: a fit has them
+    seed       plays no part: nothing is drawn
     harmonics  cosines of each input; default: sqrt(n / 2), between 8 (of few runs a fifth of
                their number) and 64
     above      a limit: indices of whether the output exceeds it, in the output's unit; a number

@@ -6,6 +6,7 @@ from importlib.metadata import entry_points
 
 import numpy as np
 import pytest
+import spaces
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.linear_model import LinearRegression
 
@@ -31,7 +32,10 @@ SLOW = {"leg_bandage", "leg_bandage_patient"}
 DESIGN_OPTIONS = {
     "fractional_factorial": {"resolution": 3},
     "nested": {"runs": {"cheap": 20, "true": 12}},
+    "supersaturated": {"runs": 6},
 }
+#: Where a design is not for the usual three parameters.
+DESIGN_SPACES = {"supersaturated": spaces.cube(10)}
 
 
 def plugins(group):
@@ -68,7 +72,7 @@ def test_installed_designs(point, tmp_path):
     if point.name == "csv":
         (tmp_path / "points.csv").write_text("length,width,height\n1,-3,0\n3,-1,2\n")
         options = {"path": str(tmp_path / "points.csv")}
-    check_design(point.load(), options=options)
+    check_design(point.load(), options=options, space=DESIGN_SPACES.get(point.name))
 
 
 @pytest.mark.parametrize("point", plugins("surrogate.augmentations"))
