@@ -1,13 +1,13 @@
 """Sparse polynomial chaos: orthonormal polynomials, the few that matter.
 
 Terms are taken one by one by orthogonal least squares (Chen, Billings, Luo 1989), the
-one that reduces the residual most. Degree and number of terms are those with the
-smallest error on folds for which the terms were chosen anew. The leave-one-out error
+one that reduces the residual most. Truncation, degree and number of terms are those with
+the smallest error on folds for which the terms were chosen anew. The leave-one-out error
 with the terms kept (Blatman and Sudret 2011) is in closed form, but as a judge of the
 choice it is too kind: on noisy runs it took as many terms as it was allowed.
 
 Above `MANY` runs all of this is done on sums of products, see `moments`: terms are chosen with
-`CHOOSING` of the runs, and fitted to all of them.
+`CHOOSING` of the runs, and fitted to all of them; one truncation is tried.
 """
 
 from __future__ import annotations
@@ -34,6 +34,8 @@ from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
 
+#: Truncations that are tried: few interactions to all of a total degree; and that of many runs.
+TRUNCATIONS, OF_MANY = (0.5, 0.75, 1.0), 0.75
 #: Larger sets of candidate terms are not tried.
 CANDIDATES = 5000
 #: Degrees tried without a smaller error before the search ends; functions with a symmetry
@@ -57,12 +59,12 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
     """Sparse polynomial chaos expansion on coded inputs.
 
     max_degree  largest polynomial degree tried
-    hyperbolic  0 < q <= 1 of the truncation; smaller means fewer interactions
-    seed        of the folds that choose degree and terms
+    hyperbolic  0 < q <= 1 of the truncation; smaller means fewer interactions; None chooses
+    seed        of the folds that choose truncation, degree and terms
     space       the Space of the inputs, whose laws the polynomials are orthonormal for;
                 None for inputs uniform on [-1, 1]
 
-    Fitted: `indices_` (which product each term is), `coef_` (p,), `degree_`,
+    Fitted: `indices_` (which product each term is), `coef_` (p,), `degree_`, `hyperbolic_`,
     `model_` (`LeastSquares` of the chosen terms, of many runs `moments.FitOfMany`),
     `error_` (mean squared error on the folds of the choice, a share of the variance).
     """
@@ -70,7 +72,7 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
     def __init__(
         self,
         max_degree: int = 10,
-        hyperbolic: float = 0.75,
+        hyperbolic: float | None = None,
         seed: int = 0,
         space: Space | None = None,
     ) -> None:
@@ -82,54 +84,64 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
         points, outputs = validate_data(self, X, y, y_numeric=True, ensure_min_samples=3)
-        if not (self.max_degree >= 1 and 0.0 < self.hyperbolic <= 1.0):
+        own = self.hyperbolic
+        if not (self.max_degree >= 1 and (own is None or 0.0 < own <= 1.0)):
             raise ValueError(
                 f"max_degree {self.max_degree} must be 1 or more and hyperbolic "
-                f"{self.hyperbolic} above 0 and at most 1"
+                f"{own} above 0 and at most 1"
             )
         parameters = self.space.parameters if self.space else [None] * points.shape[1]
         self.bases_ = [basis(parameter, self.max_degree) for parameter in parameters]
         self.model_: LeastSquares | FitOfMany
         if len(outputs) > MANY:
+            self.hyperbolic_ = own or OF_MANY
             self.indices_, self.degree_, self.error_ = self._select_of_many(points, outputs)
             self.model_ = fit_of_many(self._rows(self.indices_), points, outputs)
         else:
-            self.indices_, self.degree_, self.error_ = self._select(points, outputs)
+            self._select(points, outputs)
             names = [self._name(index) for index in self.indices_]
             self.model_ = least_squares(self._matrix(points), outputs, names)
         self.coef_ = self.model_.coefficients
         return self
 
-    def _select(self, X: Array, y: Array) -> tuple[tuple[Index, ...], int, float]:
-        """Terms, degree and error of the best expansion, over degrees from 1 up."""
+    def _select(self, X: Array, y: Array) -> None:
+        """Truncation, degree and terms of the best expansion, over degrees from 1 up."""
         values = [one.values(X[:, i]) for i, one in enumerate(self.bases_)]
         folds = np.random.default_rng(self.seed).permutation(np.arange(len(y)) % FOLDS)
-        best, at = 1.0, 0
-        chosen: tuple[Index, ...] = ((),)
-        for degree in range(1, self.max_degree + 1):
-            indices = self._candidates(degree)
-            if len(indices) > CANDIDATES or degree > at + PATIENCE:
-                break
-            matrix = products(indices, values)
-            count, error = best_count(matrix, y, folds)
-            if error < best * (1.0 - 1e-9):
-                best, at = error, degree
-                chosen = tuple(indices[j] for j in sorted(pursue(matrix, y, count)))
-        return chosen, at, best
+        known: dict[tuple[Index, ...], tuple[int, float]] = {}
+        best: tuple[Index, ...] = ((),)
+        count = 1
+        self.hyperbolic_, self.degree_, self.error_ = self.hyperbolic or TRUNCATIONS[0], 0, 1.0
+        for truncation in TRUNCATIONS if self.hyperbolic is None else (self.hyperbolic,):
+            smallest, at = 1.0, 0
+            for degree in range(1, self.max_degree + 1):
+                indices = self._candidates(degree, truncation)
+                if len(indices) > CANDIDATES or degree > at + PATIENCE:
+                    break
+                if indices not in known:
+                    known[indices] = best_count(products(indices, values), y, folds)
+                terms, error = known[indices]
+                if error < smallest * (1.0 - 1e-9):
+                    smallest, at = error, degree
+                if error < self.error_ * (1.0 - 1e-9):
+                    self.hyperbolic_, self.degree_, self.error_ = truncation, degree, error
+                    best, count = indices, terms
+        order = pursue(products(best, values), y, count)
+        self.indices_ = tuple(best[j] for j in sorted(order))
 
     def _select_of_many(self, X: Array, y: Array) -> tuple[tuple[Index, ...], int, float]:
-        """The same as `_select`, on sums of products over some of the runs."""
+        """Terms, degree and error as `_select` finds them, on sums of products over some runs."""
         X, y = self._choosing(X, y - y.mean())
         folds = np.random.default_rng(self.seed).permutation(np.arange(len(y)) % FOLDS)
         best, at, reach = 1.0, 0, 0
         chosen: tuple[Index, ...] = ((),)
         for degree in range(1, self.max_degree + 1):
-            indices = self._candidates(degree)
+            indices = self._candidates(degree, self.hyperbolic_)
             if len(indices) > CANDIDATES_OF_MANY or degree > at + PATIENCE:
                 break
             if degree > reach:
                 reach = self._reach(at + PATIENCE)
-                known = self._candidates(reach)
+                known = self._candidates(reach, self.hyperbolic_)
                 sums = moments(self._rows(known), X, y, folds)
                 places = {index: place for place, index in enumerate(known)}
             own = [one.of([places[index] for index in indices]) for one in sums]
@@ -142,10 +154,11 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
     def _reach(self, degree: int) -> int:
         """The largest degree up to this one that is tried with many runs."""
         degrees = range(1, min(degree, self.max_degree) + 1)
-        return max(d for d in degrees if len(self._candidates(d)) <= CANDIDATES_OF_MANY)
+        of = self.hyperbolic_
+        return max(d for d in degrees if len(self._candidates(d, of)) <= CANDIDATES_OF_MANY)
 
-    def _candidates(self, degree: int) -> tuple[Index, ...]:
-        return hyperbolic(_sizes(self.bases_), degree, self.hyperbolic)
+    def _candidates(self, degree: int, truncation: float) -> tuple[Index, ...]:
+        return hyperbolic(_sizes(self.bases_), degree, truncation)
 
     def _choosing(self, *columns: NDArray[Any]) -> list[NDArray[Any]]:
         """The runs that choose the terms, of each array (n, ...)."""
@@ -192,7 +205,7 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         X, y = many.points, many.y
         _, numbers = np.unique(np.asarray(folds), return_inverse=True)
         numbers, middle = numbers.ravel(), y.mean()
-        candidates = self._candidates(max(self.degree_, 1))
+        candidates = self._candidates(max(self.degree_, 1), self.hyperbolic_)
         sums = moments(self._rows(candidates), *self._choosing(X, y - middle, numbers))
         whole, count = total(sums), len(self.indices_)
         orders = [path(whole.without(one), count).order for one in sums]

@@ -126,8 +126,8 @@ def path(given: Moments, steps: int) -> Path:
     order: list[int] = []
     factor, heights = np.empty((steps, len(squares))), np.empty(steps)
     for k in range(steps):
-        column = strongest(squares, along, floor) if k else 0
-        if column is None:
+        column = int(strongest(squares, along, floor)) if k else 0
+        if column < 0:
             break
         size = np.sqrt(squares[column])
         heights[k] = along[column] / size

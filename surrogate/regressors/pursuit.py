@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
 
 Array = NDArray[np.float64]
 
 #: An expansion of more terms is not sparse.
 TERMS = 200
+#: The search for a number of terms ends at this many times the best one so far, and these more.
+BEYOND, MORE = 2, 20
 
 
 def pursue(matrix: Array, y: Array, steps: int) -> list[int]:
@@ -23,10 +24,11 @@ def pursue(matrix: Array, y: Array, steps: int) -> list[int]:
     """
     squares, along = (matrix**2).sum(axis=0), y @ matrix
     floor = 1e-10 * squares + 1e-300
-    taken, basis = [], np.empty((len(y), steps))
+    taken: list[int] = []
+    basis = np.empty((len(y), steps))
     for k in range(steps):
-        column = strongest(squares, along, floor) if k else 0
-        if column is None:
+        column = int(strongest(squares, along, floor)) if k else 0
+        if column < 0:
             break
         direction = matrix[:, column].copy()
         for _ in range(2):
@@ -39,16 +41,17 @@ def pursue(matrix: Array, y: Array, steps: int) -> list[int]:
     return taken
 
 
-def strongest(squares: Array, along: Array, floor: Array) -> int | None:
-    """The column that reduces the residual most; None when no column does.
+def strongest(squares: Array, along: Array, floor: Array) -> NDArray[np.intp]:
+    """The column that reduces the residual most, -1 when none does; of each row of (..., p).
 
-    squares, along: squared norms (p,) and products with y (p,), less the parts along columns
+    squares, along: squared norms (..., p) and products with y, less the parts along columns
     taken; below `floor` nothing but rounding is left. Of columns that gain the same but for
     rounding, as aliased terms do, the first one is taken.
     """
     gains = np.where(squares > floor, along**2 / np.maximum(squares, floor), -1.0)
-    column = int(np.argmax(gains >= (1.0 - 1e-9) * gains.max()))
-    return column if gains[column] > 0.0 else None
+    largest = gains.max(axis=-1, keepdims=True)
+    columns = np.argmax(gains >= (1.0 - 1e-9) * largest, axis=-1)
+    return np.where(largest[..., 0] > 0.0, columns, -1)
 
 
 def best_count(matrix: Array, y: Array, folds: NDArray[np.intp]) -> tuple[int, float]:
@@ -56,25 +59,43 @@ def best_count(matrix: Array, y: Array, folds: NDArray[np.intp]) -> tuple[int, f
 
     The error is a share of the variance. For each fold the terms are chosen without it.
     """
-    steps = min(
-        int(np.min([(folds != k).sum() for k in np.unique(folds)])) - 1, matrix.shape[1], TERMS
-    )
-    squares = np.zeros(max(steps, 1))
-    for fold in np.unique(folds):
-        inside = folds == fold
-        order = pursue(matrix[~inside], y[~inside], len(squares))
-        errors = _path_errors(matrix[:, order], y, inside)
-        squares[: len(order)] += errors
-        squares[len(order) :] += errors[-1]
-    count = int(squares.argmin()) + 1
+    squares = _errors_on_folds(matrix, y, folds)
+    count = int(np.argmin(squares)) + 1
     total = float(((y - y.mean()) ** 2).sum())
     varies = total > 1e-28 * float(y @ y)  # by more than rounding
-    return count, float(squares[count - 1]) / total if varies else 1.0
+    return count, squares[count - 1] / total if varies else 1.0
 
 
-def _path_errors(matrix: Array, y: Array, inside: NDArray[np.bool_]) -> Array:
-    """Squared error (k,) on the fold `inside` of fits by the first 1, 2, ... k columns."""
-    basis, upper = np.linalg.qr(matrix[~inside])
-    rotated = linalg.solve_triangular(upper, matrix[inside].T, trans="T").T
-    predicted = np.cumsum(rotated * (basis.T @ y[~inside]), axis=1)
-    return np.asarray(((y[inside, None] - predicted) ** 2).sum(axis=0))
+def _errors_on_folds(matrix: Array, y: Array, folds: NDArray[np.intp]) -> list[float]:
+    """Squared error of all runs by 1, 2, ... terms, each fold predicted by a fit without it.
+
+    All folds take their k-th term at once. A direction is orthonormal on the runs that are
+    fitted; the same combination of columns continues it to those left out, where it predicts.
+    """
+    fitted = (folds != np.unique(folds)[:, None]).astype(float)  # (fold, n)
+    squares, along = fitted @ matrix**2, (fitted * y) @ matrix
+    floor = 1e-10 * squares + 1e-300
+    steps = max(min(int(fitted.sum(axis=1).min()) - 1, matrix.shape[1], TERMS), 1)
+    basis = np.zeros((len(fitted), steps, len(y)))
+    left = (1.0 - fitted) * y
+    errors: list[float] = []
+    for k in range(steps):
+        columns = strongest(squares, along, floor) if k else np.zeros(len(fitted), dtype=np.intp)
+        some = columns >= 0
+        if not some.any():
+            break
+        direction = matrix[:, columns].T * some[:, None]
+        for _ in range(2):
+            parts = basis[:, :k] @ (fitted * direction)[:, :, None]
+            direction -= (parts.transpose(0, 2, 1) @ basis[:, :k])[:, 0]
+        size = np.linalg.norm(fitted * direction, axis=1)
+        basis[:, k] = direction / np.where(some, size, 1.0)[:, None]
+        inside = fitted * basis[:, k]
+        shadow, height = inside @ matrix, inside @ y
+        squares, along = squares - shadow**2, along - height[:, None] * shadow
+        squares[np.arange(len(fitted)), columns] = 0.0
+        left -= height[:, None] * (basis[:, k] - inside)
+        errors.append(float((left**2).sum()))
+        if len(errors) >= BEYOND * (int(np.argmin(errors)) + 1) + MORE:
+            break
+    return errors

@@ -93,6 +93,55 @@ def test_error_of_the_choice_is_that_of_refits():
     assert error == pytest.approx(squares / ((y - y.mean()) ** 2).sum(), rel=1e-9)
 
 
+def test_the_truncation_is_chosen():
+    """Sums of functions of one input want no interactions; products of four want more."""
+    x = 2 * qmc.LatinHypercube(4, seed=0).random(80) - 1
+    alone = PolynomialChaos().fit(x, np.exp(x).sum(axis=1) + np.cos(3 * x[:, 0]))
+    assert alone.hyperbolic_ == 0.5
+    product = PolynomialChaos().fit(x, (x[:, 0] + x[:, 1] * x[:, 2]) * x[:, 3] * x[:, 0])
+    assert product.hyperbolic_ > 0.5 and product.error_ < 1e-20
+
+
+def test_the_chosen_truncation_predicts_better():
+    """Ishigami's interaction needs degrees that q = 0.75 leaves out: a fifth of its error."""
+    new = np.random.default_rng(1).uniform(-1, 1, (1000, 3))
+    errors = {}
+    for q in (None, 0.75):
+        found = []
+        for seed in range(3):
+            x = 2 * qmc.LatinHypercube(3, seed=seed).random(120) - 1
+            model = PolynomialChaos(hyperbolic=q).fit(x, ishigami(x))
+            found.append(np.sqrt(np.mean((model.predict(new) - ishigami(new)) ** 2)))
+        errors[q] = np.median(found)
+    assert errors[None] < 0.2 * errors[0.75]
+
+
+def ishigami(coded):
+    """Ishigami and Homma 1990 at coded points."""
+    a, b, c = np.pi * coded.T
+    return np.sin(a) + 7 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a)
+
+
+def test_errors_of_more_terms_than_a_fold_has():
+    """A fold whose columns are used up keeps its error; the others go on."""
+    rng = np.random.default_rng(3)
+    matrix = np.column_stack([np.ones(12), rng.normal(size=(12, 3)), np.zeros(12)])
+    matrix[9, 4] = 1.0  # seen by all folds but the last
+    y, folds = rng.normal(size=12), np.arange(12) // 3
+    count, error = best_count(matrix, y, folds)
+    found = []
+    for k in range(1, 6):
+        squares = 0.0
+        for fold in range(4):
+            rest = folds != fold
+            order = pursue(matrix[rest], y[rest], k)
+            c = np.linalg.lstsq(matrix[rest][:, order], y[rest], rcond=None)[0]
+            squares += ((y[~rest] - matrix[~rest][:, order] @ c) ** 2).sum()
+        found.append(squares)
+    assert count == int(np.argmin(found)) + 1
+    assert error == pytest.approx(min(found) / ((y - y.mean()) ** 2).sum(), rel=1e-9)
+
+
 def test_recovers_a_sparse_polynomial():
     """A cubic with four terms in six inputs from 60 of its 84 or more candidates' runs."""
     x = 2 * qmc.LatinHypercube(6, seed=0).random(60) - 1
@@ -108,9 +157,7 @@ def test_ishigami_indices():
     """Ishigami and Homma 1990, from 120 runs: all indices to 0.01."""
     space = Space(tuple(Parameter(f"x{j}", uniform(-np.pi, np.pi)) for j in range(3)))
     x = 2 * qmc.LatinHypercube(3, seed=1).random(120) - 1
-    a, b, c = np.pi * x.T
-    y = np.sin(a) + 7 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a)
-    indices = PolynomialChaos(hyperbolic=1.0, space=space).fit(x, y).sobol_indices()
+    indices = PolynomialChaos(hyperbolic=1.0, space=space).fit(x, ishigami(x)).sobol_indices()
     np.testing.assert_allclose(indices.first_order, [0.31390519, 0.44241114, 0], atol=0.01)
     np.testing.assert_allclose(indices.total, [0.55758886, 0.44241114, 0.24368366], atol=0.01)
     assert indices.second_order[0, 2] == pytest.approx(0.24368366, abs=0.01)

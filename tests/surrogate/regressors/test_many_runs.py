@@ -41,7 +41,7 @@ def test_the_answers_are_those_of_few_runs(monkeypatch, few, noise):
     x, y = runs(1200, noise)
     many = PolynomialChaos(max_degree=6, space=SPACE).fit(x, y)
     monkeypatch.setattr(chaos, "MANY", 10_000)
-    same = PolynomialChaos(max_degree=6, space=SPACE).fit(x, y)
+    same = PolynomialChaos(max_degree=6, hyperbolic=chaos.OF_MANY, space=SPACE).fit(x, y)
     assert isinstance(many.model_, moments.FitOfMany)
     assert isinstance(same.model_, LeastSquares)
     assert many.indices_ == same.indices_ and many.degree_ == same.degree_
@@ -75,7 +75,7 @@ def test_left_out_folds_are_those_of_refits(few):
     model = PolynomialChaos(max_degree=5, space=SPACE).fit(x, y)
     folds = np.random.default_rng(1).permutation(np.arange(1100) % 4)
     found = model.leave_out(folds)
-    matrix = model._rows(model._candidates(model.degree_))(x)
+    matrix = model._rows(model._candidates(model.degree_, model.hyperbolic_))(x)
     for fold in range(4):
         rest = folds != fold
         kept = pursuit.pursue(matrix[rest], y[rest] - y.mean(), len(model.indices_))
@@ -116,7 +116,7 @@ def test_memory_does_not_grow_with_the_runs(monkeypatch):
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert len(model._candidates(5)) == 176
+    assert len(model._candidates(5, model.hyperbolic_)) == 176
     assert peak < 0.5 * 100_000 * 176 * 8
 
 
