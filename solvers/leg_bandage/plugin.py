@@ -30,6 +30,7 @@ from .bandage.products import (
     bandage,
     power_law,
 )
+from .bandage.relaxation import RELAXATIONS
 from .equilibrium.loading import solve
 from .equilibrium.model import (
     ABOVE,
@@ -44,12 +45,24 @@ from .equilibrium.model import (
 from .equilibrium.progressive import wrap_and_solve
 from .geometry.bone import bone_envelope
 from .geometry.feasibility import check_leg
-from .geometry.landmarks import RULES
+from .geometry.landmarks import MEDIAL, RULES, Disc, b1_height
 from .geometry.leg import Leg
 from .outputs.answers import OUTPUTS, answers
 from .outputs.result import Result
 from .outputs.scene import leg_scene
-from .parameters import CONSTRAINTS, INPUTS, LAWS, SHAPE, complete, inputs_of, shapes_in
+from .outputs.wear import Wear
+from .parameters import (
+    CONSTRAINTS,
+    FLUID_LOSS,
+    INPUTS,
+    LAWS,
+    SHAPE,
+    complete,
+    inputs_of,
+    shapes_in,
+)
+from .skin_friction import SKINS, mu_of
+from .tissue.posture import POSTURES
 from .wrapping.lay import element_rows, lay
 from .wrapping.spiral import Wrap, wrap_for
 
@@ -67,6 +80,11 @@ class LegBandage:
     fabric         a named bandage whose constants become the nominal inputs, or none
     cohort         a file of `leg-bandage build-cohort`: length and alphas are then those of
                    these legs; relative to the study file, from Python to the current folder
+    relaxation     "elastic", "minimal_stretch" or "inelastic": the fabric relaxes, with input
+                   `fluid_loss` and outputs over time; default: it does not
+    posture        "standing" or "dorsiflexion": the pressure in these postures as well; the
+                   bandage is laid, and everything else answered, on a leg that lies
+    skin           "dry", "moist" or "moist_hairy": whose friction is the nominal one
     law            "power": input `exponent` in place of `tension_law`, so that the tension law
                    can be learnt from pressures
     linear_solver  "auto", "superlu" or "pardiso"; no answer hangs on it
@@ -88,6 +106,9 @@ class LegBandage:
         linear_solver: str = "auto",
         folder: Path | None = None,
         law: str | None = None,
+        relaxation: str | None = None,
+        posture: str | None = None,
+        skin: str | None = None,
     ):
         for name, value, allowed in (
             ("mesh", mesh, MESHES),
@@ -95,6 +116,9 @@ class LegBandage:
             ("b1_rule", b1_rule, RULES),
             ("leg_ends", leg_ends, ("free", "no_axial", "pinned")),
             ("law", law or LAWS[0], LAWS),
+            ("relaxation", relaxation or "elastic", RELAXATIONS),
+            ("posture", posture or "lying", POSTURES),
+            ("skin", skin or "dry", SKINS),
             ("linear_solver", linear_solver, (*ENGINES, "auto")),
         ):
             if value not in allowed:
@@ -108,7 +132,13 @@ class LegBandage:
         shapes = shapes_in(cohort, folder)
         self.basis = shapes.basis
         own = {} if chosen is None else _nominal(chosen)
+        if skin is not None:
+            own = {**own, "mu_skin": mu_of(skin)}
         self.inputs = {**inputs_of(law), **shapes.inputs, **own}
+        if relaxation is not None:
+            self.inputs["fluid_loss"] = FLUID_LOSS
+        self.wear = Wear(relaxation, None if posture == "lying" else posture)
+        self.outputs = {**OUTPUTS, **self.wear.outputs}
         #: What answers hang on besides the inputs: runs with the same are the same runs.
         self.identity_options = {
             "mesh": mesh,
@@ -118,6 +148,7 @@ class LegBandage:
             "curve": self.curve,
             "cohort": shapes.identity,
             **({} if law is None else {"law": law}),
+            **self.wear.options,
         }
 
     def __call__(self, **inputs: float | str) -> dict[str, float | np.ndarray]:
@@ -150,7 +181,12 @@ class LegBandage:
             wrap = replace(wrap, stretch_free=stretch_free)
         model, u = self._solve(leg, wrap, self._material(q), q["wrapping"])
         values = answers(leg, model, u, self.b1_rule, q["sensor_around"], q["sensor_up"])
-        return Result(leg, model, u, values, time.perf_counter() - start)
+        place = Disc(MEDIAL, b1_height(leg, self.b1_rule)).moved(
+            leg, q["sensor_around"], q["sensor_up"]
+        )
+        more, states = self.wear.answers(leg, model, u, place, q.get("fluid_loss", 0.0))
+        seconds = time.perf_counter() - start
+        return Result(leg, model, u, {**values, **more}, seconds, states)
 
     def scene(self, **inputs: float | str) -> Scene:
         """The leg before it is pressed, with turns and sensor: see `surrogate.scene`."""
@@ -233,4 +269,6 @@ def _nominal(chosen: Bandage) -> Mapping[str, Input]:
         "width": chosen.width,
         "tension": float(chosen.fabric.tension(np.array(STRETCH))),
     }
+    if chosen.curved:
+        values["tension_law"] = "curved"
     return {name: replace(INPUTS[name], nominal=value) for name, value in values.items()}

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .fabric import Fabric
+from .memory import Memory
 
 TWIST = np.array([1.0, 1.0, 2.0])  # (k11, k22, 2 k12) over (k11, k22, k12)
 
@@ -58,27 +59,45 @@ def energy(Z: np.ndarray, natural: np.ndarray, fabric: Fabric) -> np.ndarray:
     return stretching + np.einsum("r...,rs,s...->...", curvature, fabric.bending, curvature) / 2
 
 
-def gradient_and_hessian(Z, natural, fabric: Fabric, slack: bool) -> tuple[np.ndarray, np.ndarray]:
+def membrane_forces(
+    strains: np.ndarray, natural: np.ndarray, fabric: Fabric
+) -> tuple[np.ndarray, np.ndarray]:
+    """Elastic N1, N2, S (3, ...) at strains (6, ...), N/mm, and dN1/dl1 (...)."""
+    e1, e2, shear = strains[:3] - natural[:3]
+    _, Q12, Q22 = fabric.membrane
+    N1, Q11 = fabric.warp_force(1 + e1)
+    return np.stack([N1 + Q12 * e2, Q12 * e1 + Q22 * e2, fabric.G * shear]), Q11
+
+
+def gradient_and_hessian(
+    Z: np.ndarray, natural: np.ndarray, fabric: Fabric, slack: bool, memory: Memory | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """dW/dZ (5, ..., 3) and the 17 blocks (17, ..., 3, 3) of d2W/dZ2.
 
     Blocks: a1 a1, a1 a2, a2 a1, a2 a2; then for r in (11, 22, 12) and i in (1, 2) the block
     x_r a_i at 4 + 2 r + i and its transpose at 10 + 2 r + i; last n n, to be multiplied by the
     bending stiffness for the blocks x_r x_s. `slack` leaves out negative geometric stiffness.
+    With a memory the membrane's forces are those of a step in time; bending has none.
     """
     at = frame(Z)
     gradient, hessian = np.empty_like(Z), np.zeros((17, *Z.shape[1:], 3))
-    _stretching(at, natural, fabric, slack, gradient, hessian)
+    _stretching(at, natural, fabric, slack, memory, gradient, hessian)
     _bending(at, natural, fabric, gradient, hessian)
     return gradient, hessian
 
 
-def _stretching(at: Frame, natural, fabric: Fabric, slack: bool, gradient, hessian) -> None:
+def _stretching(
+    at: Frame, natural, fabric: Fabric, slack: bool, memory: Memory | None, gradient, hessian
+) -> None:
     """Write the membrane's share: dW = N1 dl1 + N2 dl2 + S dc, with c = sin(gamma)."""
-    (l1, l2, c), (e1, e2, shear) = at.strains[:3], at.strains[:3] - natural[:3]
+    l1, l2, c = at.strains[:3]
     t1, t2 = at.units
-    _, Q12, Q22 = fabric.membrane
-    N1, Q11 = fabric.warp_force(1 + e1)
-    N1, N2, S = N1 + Q12 * e2, Q12 * e1 + Q22 * e2, fabric.G * shear
+    (_, Q12, Q22), G = fabric.membrane, fabric.G
+    forces, Q11 = membrane_forces(at.strains, natural, fabric)
+    if memory is not None:
+        forces = memory.share * forces + memory.carried
+        Q11, Q12, Q22, G = (memory.share * stiffness for stiffness in (Q11, Q12, Q22, G))
+    N1, N2, S = forces
     p1, p2 = (t2 - _times(c, t1)) / l1[..., None], (t1 - _times(c, t2)) / l2[..., None]
     gradient[0] = _times(N1, t1) + _times(S, p1)
     gradient[1] = _times(N2, t2) + _times(S, p2)
@@ -88,10 +107,10 @@ def _stretching(at: Frame, natural, fabric: Fabric, slack: bool, gradient, hessi
     t11, t22, t12, eye = _outer(t1, t1), _outer(t2, t2), _outer(t1, t2), np.eye(3)
     tension1, tension2, twist = N1 / l1 - S * c / l1**2, N2 / l2 - S * c / l2**2, S / (l1 * l2)
     hessian[0] = _scale(Q11, t11) + _scale(tension1, eye - t11)
-    hessian[0] += fabric.G * _outer(p1, p1) - _both(_outer(_times(S / l1, t1), p1))
+    hessian[0] += G * _outer(p1, p1) - _both(_outer(_times(S / l1, t1), p1))
     hessian[3] = Q22 * t22 + _scale(tension2, eye - t22)
-    hessian[3] += fabric.G * _outer(p2, p2) - _both(_outer(_times(S / l2, t2), p2))
-    hessian[1] = Q12 * t12 + fabric.G * _outer(p1, p2)
+    hessian[3] += G * _outer(p2, p2) - _both(_outer(_times(S / l2, t2), p2))
+    hessian[1] = Q12 * t12 + G * _outer(p1, p2)
     hessian[1] += _scale(twist, eye - t11 - t22 + _scale(c, t12))
     if slack:
         lift = _negative_part(tension1, tension2, twist)

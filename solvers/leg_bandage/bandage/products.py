@@ -58,6 +58,23 @@ def power_law(exponent: float) -> Curve:
     return tuple((stretch, ((stretch - 1) / (STRETCH - 1)) ** exponent) for stretch, _ in CURVED)
 
 
+LOCKING = 6.5
+"""How fast the tension of an inelastic bandage grows with its strain: assumed.
+
+With exp(6.5 e) a bandage of 0.098 N/mm at stretch 1.3 carries 1.5 N/mm at 1.7. Bandages are called
+short-stretch when their extension ends below 100 % (Urgo; Lauma: by not more than 100 %)."""
+
+
+def locking(rate: float = LOCKING) -> Curve:
+    """Points of T / T(1.3) = (exp(rate e) - 1) / (exp(0.3 rate) - 1), e = stretch - 1, up to 1.8.
+
+    Its slope at 1.3 is 2.3 times the secant's.
+    """
+    full = np.expm1(rate * (STRETCH - 1))
+    steps = [1 + 0.05 * k for k in range(17)]
+    return tuple((x, float(np.expm1(rate * (x - 1)) / full)) for x in steps)
+
+
 _FABRICS = "size of Kawabata's figures for woven and knitted fabrics, not this bandage's"
 ASSUMED: Mapping[str, str] = {
     "K2": "assumed: as stiff in the weft as in the warp, rounded",
@@ -80,12 +97,14 @@ class Bandage:
     sources  where each of them comes from
     width    mm
     curve    (stretch, tension over the tension at stretch 1.3) for the curved law
+    curved   whether that law is the nominal one
     """
 
     fabric: Fabric
     sources: Mapping[str, str]
     width: float = 100.0
     curve: Curve = CURVED
+    curved: bool = False
 
 
 def at_tension(tension: float, fabric: Fabric = NOMINAL) -> Fabric:
@@ -104,9 +123,10 @@ def at_tension(tension: float, fabric: Fabric = NOMINAL) -> Fabric:
 
 def bandage(name: str) -> Bandage:
     """The bandage of that name; raises SolverError when there is none."""
-    if name not in BANDAGES:
-        raise SolverError(f"bandage: {nearest(name, BANDAGES)}")
-    return BANDAGES[name]
+    known = {**BANDAGES, **INELASTIC}
+    if name not in known:
+        raise SolverError(f"bandage: {nearest(name, known)}")
+    return known[name]
 
 
 def _within_range(tension: float, place: str) -> Bandage:
@@ -121,3 +141,18 @@ BANDAGES: Mapping[str, Bandage] = {
     "biflex_16": _within_range(0.0785, "a quarter of the way through"),
     "biflex_17": _within_range(0.1175, "three quarters of the way through"),
 }
+"""Elastic bandages: what the shipped runs and predictions are about."""
+
+INELASTIC: Mapping[str, Bandage] = {
+    "short_stretch": Bandage(
+        at_tension(0.137),
+        {
+            "K1": "assumed: the tension of the strongest elastic bandage at stretch 1.3",
+            **ASSUMED,
+            "curve": f"assumed: locks as exp({LOCKING} strain)",
+        },
+        curve=locking(),
+        curved=True,
+    )
+}
+"""Bandages of cotton that lock: for the solver, by `fabric`."""

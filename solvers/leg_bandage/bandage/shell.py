@@ -21,7 +21,9 @@ from ..algebra.system import Tangent
 from ..surfaces.interpolation import bspline, tensor
 from ..surfaces.strip import Strip
 from .fabric import Fabric
-from .kirchhoff_love import TWIST, energy, frame, gradient_and_hessian
+from .kirchhoff_love import TWIST, energy, frame, gradient_and_hessian, membrane_forces
+from .memory import Memory
+from .relaxation import Relaxation
 
 CHUNK = 4096  # elements whose second derivatives are held at a time: 20 kB each
 
@@ -49,10 +51,13 @@ class Shell:
              quadrature points that cost no energy; default: flat and unstretched
     slack    leave negative geometric stiffness out of the tangent, so that a bandage in
              compression, which wrinkles, keeps a positive tangent; the residual is the same
+
+    `memory` is what a fabric that relaxes remembers of its forces; None: it is elastic.
     """
 
     def __init__(self, strip: Strip, size, fabric: Fabric, start, natural=None, slack=True):
         self.strip, self.fabric, self.slack = strip, fabric, slack
+        self.memory: Memory | None = None
         self.start, self.n_dofs = np.asarray(start, dtype=float), np.size(start)
         self.steps = np.array([size[0] / strip.ns, size[1] / strip.nw])
         cells = np.stack(np.meshgrid(np.arange(strip.ns), np.arange(strip.nw), indexing="ij"), -1)
@@ -73,8 +78,9 @@ class Shell:
         for first in range(0, len(self.points), CHUNK):
             chunk = slice(first, first + CHUNK)
             Z = _derivatives(self.slopes, places[self.points[chunk]])
+            memory = None if self.memory is None else self.memory.part(chunk)
             gradient, hessian = gradient_and_hessian(
-                Z, self.natural[..., chunk], self.fabric, self.slack
+                Z, self.natural[..., chunk], self.fabric, self.slack, memory
             )
             n = Z.shape[2]
             forces[:, chunk] = (self._force_map @ gradient.reshape(-1, 3 * n)).reshape(9, n, 3)
@@ -83,8 +89,25 @@ class Shell:
         residual = np.bincount(dofs.ravel(), forces.ravel(), minlength=self.n_dofs)
         return residual, values.ravel
 
+    def relaxing(self, u: np.ndarray, series: Relaxation) -> None:
+        """Let the fabric relax from the state u on, in which it has just been stretched."""
+        self.memory = Memory.of(series, self._elastic(u))
+
+    def wait(self, minutes: float) -> None:
+        """Begin a step of so many minutes; only for a fabric that relaxes."""
+        if self.memory is not None:
+            self.memory = self.memory.waiting(minutes)
+
+    def accept(self, u: np.ndarray) -> None:
+        """End the step in the state u."""
+        if self.memory is not None:
+            self.memory = self.memory.after(self._elastic(u))
+
+    def _elastic(self, u: np.ndarray) -> np.ndarray:
+        return membrane_forces(self.strains(u), self.natural, self.fabric)[0]
+
     def energy(self, u: np.ndarray) -> float:
-        """Stored energy, N mm."""
+        """Energy that an elastic fabric would store, N mm."""
         Z = _derivatives(self.slopes, (self.start + u.reshape(-1, 3))[self.points])
         return float(self.weights @ energy(Z, self.natural, self.fabric).sum(axis=1))
 

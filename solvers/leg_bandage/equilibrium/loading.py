@@ -43,7 +43,7 @@ def bond(model: Model, u: np.ndarray) -> np.ndarray:
     try:
         return pseudo_transient(problem, u, BONDED_VISCOSITY[0], until=BONDED_VISCOSITY[1])[0]
     except NotConverged as failure:
-        raise _failed(model, "bonding the bandage as laid", failure) from failure
+        raise no_equilibrium(model, "bonding the bandage as laid", failure) from failure
 
 
 def slide(model: Model, u: np.ndarray, watch=None) -> np.ndarray:
@@ -55,7 +55,7 @@ def slide(model: Model, u: np.ndarray, watch=None) -> np.ndarray:
             model.problem, u, FIRST_VISCOSITY, watch=watch
         )
     except NotConverged as failure:
-        raise _failed(model, "sliding to rest", failure) from failure
+        raise no_equilibrium(model, "sliding to rest", failure) from failure
     return u
 
 
@@ -64,7 +64,7 @@ def solve(model: Model, watch=None) -> np.ndarray:
     return slide(model, bond(model, np.zeros(model.ndof)), watch)
 
 
-def _failed(model, stage, failure):
+def no_equilibrium(model: Model, stage: str, failure: NotConverged) -> SolverError:
     """The error that says how far the solution came, what was left and where."""
     problem = model.problem
     node, component = divmod(failure.dof, 3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,14 +21,6 @@ def draw(result: Result, path: str | Path) -> Path:
 
     Raises SolverError when matplotlib is not installed.
     """
-    if importlib.util.find_spec("matplotlib") is None:
-        raise SolverError(
-            "pictures need matplotlib, which is not installed: pip install "
-            "matplotlib; the numbers and `export` do not need it"
-        )
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     model, leg = result.model, result.leg
     found = pressure_map(model, result.u)
     theta = np.linspace(0, 2 * np.pi, 181)
@@ -39,8 +32,7 @@ def draw(result: Result, path: str | Path) -> Path:
     strip = model.strip
     stretch = model.shell.at(result.u, midpoints(strip)).warp_stretch.reshape(strip.ns, strip.nw)
 
-    figure = Figure(figsize=(13, 8.5), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = figure_of(13, 8.5)
     panels = figure.subplots(2, 2)
     skin = np.degrees(theta), z
     _panel(figure, panels[0, 0], *skin, pressure, "Interface pressure, mmHg", "viridis")
@@ -62,6 +54,21 @@ def draw(result: Result, path: str | Path) -> Path:
     figure.suptitle(f"B1: {result.values['pressure_b1']:.1f} mmHg")
     figure.savefig(path, dpi=100)
     return Path(path)
+
+
+def figure_of(width: float, height: float) -> Any:
+    """An empty figure, inches; raises SolverError when matplotlib is not installed."""
+    if importlib.util.find_spec("matplotlib") is None:
+        raise SolverError(
+            "pictures need matplotlib, which is not installed: pip install "
+            "matplotlib; the numbers and `export` do not need it"
+        )
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
 
 
 def _panel(figure, panel, x, y, values, title, colours):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -19,6 +20,7 @@ class Result:
     u        (ndof,) its displacements at rest
     values   the outputs
     seconds  that it took
+    states   displacements at rest in other postures and at other times, by name
     """
 
     leg: Leg
@@ -26,3 +28,4 @@ class Result:
     u: np.ndarray
     values: dict[str, float | np.ndarray]
     seconds: float
+    states: Mapping[str, np.ndarray] = field(default_factory=dict)

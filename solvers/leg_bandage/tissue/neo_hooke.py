@@ -41,6 +41,7 @@ class Tissue:
         self.volumes = self.weights.sum(axis=1)
         self.c10 = np.broadcast_to(np.asarray(c10, dtype=float), self.volumes.shape)
         self.kappa = float(kappa)
+        self._natural = self.volumes, self.c10
         self.n_dofs = 3 * mesh.nvertices if n_dofs is None else n_dofs
         vertices = mesh.t.T.astype(np.int32)
         self.dofs = (3 * vertices[:, None, :] + np.arange(3, dtype=np.int32)[:, None]).reshape(
@@ -51,6 +52,16 @@ class Tissue:
         self.cols = np.broadcast_to(self.dofs[:, None, :], square).reshape(-1)
         self.pressure = np.zeros(len(vertices))
         self._volume_at, self._volume_gradient = self.volumes, np.zeros(self.dofs.shape)
+
+    def grow(self, growth: np.ndarray | float, stiffening: np.ndarray | float = 1.0) -> None:
+        """Swell to `growth` times the first volume and stiffen, an element or all, from now on.
+
+        F = F_e F_g with F_g = growth^(1/3) 1 (Rodriguez, Hoger, McCulloch 1994): the isochoric
+        strain is untouched, J_e = J / growth, and energies are per grown volume.
+        """
+        volumes, c10 = self._natural
+        self.volumes = volumes * growth
+        self.c10 = c10 * growth * stiffening
 
     def linearise(self, u: np.ndarray) -> tuple[np.ndarray, Tangent]:
         """Residual (n_dofs,) and tangent, values (n_elements * 576,), with p condensed.
