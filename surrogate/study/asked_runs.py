@@ -103,6 +103,13 @@ class AskedRuns:
         }
         return replace(self, designs={**self.designs, **new}) if new else self
 
+    def of_designs(self, names: Iterable[str]) -> AskedRuns:
+        """The runs of some designs alone."""
+        some = set(names)
+        designs = {name: design for name, design in self.designs.items() if name in some}
+        rules = {name: rule for name, rule in self.rules.items() if name in some}
+        return replace(self, designs=designs, rules=rules)
+
     @property
     def at_hand(self) -> AskedRuns:
         """The same without the points of designs that would have to be searched for."""

@@ -172,6 +172,7 @@ class Study(Description):
         executor: Executor | Shared | None = None,
         retry_failed: bool | Iterable[str] = False,
         fresh: bool = False,
+        only: Iterable[str] | None = None,
         progress: Callable[[Progress], None] | None = None,
         tell: Callable[[str], None] = lambda sentence: None,
     ) -> xr.Dataset:
@@ -183,10 +184,12 @@ class Study(Description):
         retry_failed: do failed and timed-out runs again, or some: "timed_out",
         "message~text". fresh: do every run again and take
         nothing over; old records count until all is done, and an interrupted call is resumed
-        by repeating it. tell: hears a sentence of each damaged record of the journal.
+        by repeating it. only: names of the designs whose runs are done, None for all. tell:
+        hears a sentence of each damaged record of the journal.
         """
         asked = self.found(results).asked(results)
-        journal = asked.do(
+        now = asked if only is None else asked.of_designs(only)
+        journal = now.do(
             self.execution,
             workers=workers,
             executor=executor or reading.starter(self.execution, self._beside),
@@ -194,7 +197,7 @@ class Study(Description):
             fresh=fresh,
             progress=progress,
             tell=tell,
-            growth=Growing(asked) if self.rules else None,
+            growth=Growing(now) if now.rules else None,
         )
         return asked.grown().dataset(journal)
 

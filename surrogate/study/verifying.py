@@ -25,6 +25,8 @@ def verify(
 ) -> Study:
     """Run the solver at points (name -> (run,)); returns the study with these runs in it.
 
+    Runs of other designs that are still missing are not done.
+
     promise: a goal's name, or `CALIBRATION`. anew: points verified before are dropped.
     Raises `StudyError` for a study whose solver cannot be called.
     """
@@ -37,5 +39,5 @@ def verify(
         )
     keep(folder, promise, columns, anew=anew)
     again = replace(study)  # its runs are found anew
-    again.run(workers=workers, results=folder, progress=progress)
+    again.run(workers=workers, results=folder, only=[design_of(promise)], progress=progress)
     return again

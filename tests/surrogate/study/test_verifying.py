@@ -73,6 +73,21 @@ def test_verifying_again_runs_nothing_twice(finished):
     assert sum(len(path.read_bytes()) for path in journal) == before
 
 
+def test_verifying_leaves_other_missing_runs_alone(finished):
+    _, folder = finished
+    wider = Study.from_text(
+        TEXT.replace("surrogates:", "  more: {method: halton, runs: 5}\nsurrogates:")
+    )
+    asked = []
+    answer = solving.solve(wider, folder, stated(wider, "sure", Goals()))
+    found = solving.check(wider, folder, answer, runs=3, workers=1, progress=asked.append).solution
+    assert found.candidates[0].verified.runs >= 3
+    assert asked[-1].done == asked[-1].total
+    runs = Study.from_text(wider.text).stored(folder)
+    status = runs["status"].values[runs["design"].values == "more"]
+    assert status.tolist() == ["missing"] * 5
+
+
 def test_with_uncertain_inputs_the_best_candidate_is_run_at_draws_of_their_law(finished):
     found = solved(finished, "sure", runs=12)
     best, *others = found.candidates
