@@ -57,7 +57,10 @@ def _near_the_limit(
     (process,) = processes(rule.aim, space, answers, review).values()
     if not process.scale_ > 0.0:
         return []
-    found = rare.telling(rule.aim, space, process, answers, seed)
+    if len(answers.coded) % rare.EXPLORING:
+        found = rare.telling(rule.aim, space, process, answers, seed)
+    else:
+        found = rare.exploring(space, process, answers, review.estimate, seed)
     return [found] if len(found) else []
 
 

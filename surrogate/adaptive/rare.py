@@ -11,6 +11,11 @@ c being the covariance given the runs, t^2 the nugget's variance, z_j points of 
 (Picheny, Ginsbourger, Roustant, Haftka and Kim 2010, "Adaptive designs of experiments for
 accurate approximation of a target region", J. Mechanical Design 132, 071008; sampling from the
 region: Bect, Li and Vazquez 2017, "Bayesian subset simulation", SIAM/ASA JUQ 5, 762-786).
+
+A process that is sure of itself too early (few runs, a kink, one of several regions seen) leaves
+regions out, however far `UNSURE` reaches. So one run in `EXPLORING` does not ask it: it is the
+point farthest from all runs in the ball of standard normal space outside of which lies a tenth
+of the probability of the event, so that no region that counts lies beyond.
 """
 
 from __future__ import annotations
@@ -21,6 +26,7 @@ from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import stats
 from scipy.spatial import cKDTree
 
 from surrogate.adaptive.aim import Aim, Review
@@ -42,6 +48,9 @@ Array = NDArray[np.float64]
 REVIEWED = 2000
 #: Points of a level; of the region that are candidates, and that are told of.
 POINTS, CANDIDATES, TOLD = 1000, 400, 400
+#: One chosen run in so many explores; share of the event's probability that may lie beyond,
+#: smallest probability that it is reckoned with, and points among which it is chosen.
+EXPLORING, BEYOND, RAREST, EXPLORED = 5, 0.1, 1e-10, 5000
 #: Candidates nearer to a point so far, in the columns of the process, are that point.
 APART = 1e-3
 
@@ -90,6 +99,25 @@ def telling(aim: Aim, space: Space, process: GaussianProcess, answers: Answers, 
     _, own = process.predict(X, return_std=True)
     worth = covariances(process, X, told) ** 2 @ weights / own**2
     best = int(np.argmax(worth))
+    return X[best : best + 1]
+
+
+def exploring(
+    space: Space, process: GaussianProcess, answers: Answers, probability: float, seed: int
+) -> Array:
+    """The coded point (1, d) that is farthest from all runs; (0, d) when all are done.
+
+    probability  of the event, as far as it is known
+    """
+    rng = np.random.default_rng(seed)
+    ball = stats.chi2.isf(BEYOND * max(RAREST, probability), space.size) ** 0.5
+    u = rng.standard_normal((EXPLORED, space.size))
+    u *= ball * rng.random((EXPLORED, 1)) ** (1.0 / space.size) / np.linalg.norm(u, axis=1)[:, None]
+    X = _apart(process, coded_of(space, u), answers)
+    if not len(X):
+        return X
+    distance, _ = cKDTree(process.expanded(answers.coded)).query(process.expanded(X))
+    best = int(np.argmax(distance))
     return X[best : best + 1]
 
 
