@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -64,16 +65,28 @@ class Aim:
 class Until:
     """When the design ends.
 
-    runs      most runs, the initial design included
+    runs      most runs, the initial design included; None for any number
     figure    what is judged: q2, rmse, width, gain, unsure
     value     that it must reach; None: it is told and ends nothing
     patience  end after so many runs in which the figure did not improve; None for never
+    seconds   of the solver that all runs may take, the initial ones included; None for any
     """
 
-    runs: int
+    runs: int | None
     figure: str
     value: float | None = None
     patience: int | None = None
+    seconds: float | None = None
+
+    @property
+    def most(self) -> float:
+        """Most runs, infinite where any number may be done."""
+        return math.inf if self.runs is None else self.runs
+
+    @property
+    def budget(self) -> float:
+        """Most seconds, infinite where any time may be spent."""
+        return math.inf if self.seconds is None else self.seconds
 
     def reaches(self, figure: float) -> bool:
         """Whether a figure meets the goal; NaN never does."""
@@ -89,12 +102,26 @@ class Until:
 
 
 @dataclass(frozen=True)
+class Level:
+    """A level of fidelity.
+
+    inputs   numbers of the parameters that it takes
+    seconds  that a run of it counts; None: those that its runs have taken
+    """
+
+    name: str
+    inputs: tuple[int, ...]
+    seconds: float | None = None
+
+
+@dataclass(frozen=True)
 class Rule:
     """An adaptive design but for its initial points.
 
     batch     points that are chosen together and done before the next ones; None: a point for
               each free place, at once
     identity  equal for rules that choose the same points from the same answers
+    levels    of fidelity, cheapest first, among which it chooses; () for one
     """
 
     aim: Aim
@@ -102,6 +129,7 @@ class Rule:
     batch: int | None = None
     seed: int = 0
     identity: str = ""
+    levels: tuple[Level, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -111,10 +139,13 @@ class Review:
     runs      of the design that had ended
     figure    what `Until.figure` names; NaN when no surrogate could be fitted
     estimate  the best value of an optimum, the probability asked for; NaN for other aims
-    lengths   output -> log lengths and log nugget of its process
+    lengths   output -> log lengths and log nugget of its process; of each level, cheapest first
+    spent     seconds that the runs count so far, and `step` those of the cheapest further one
     """
 
     runs: int
     figure: float
     estimate: float
     lengths: Mapping[str, tuple[float, ...]]
+    spent: float = math.nan
+    step: float = math.nan

@@ -27,7 +27,7 @@ def choose(rule: Rule, space: Space, answers: Answers, review: Review, count: in
     chosen = np.empty((0, space.size))
     for _ in range(count):
         now = answers.with_points(chosen)
-        seed = _seed(rule, len(now.coded))
+        seed = seed_of(rule, len(now.coded))
         if near := _near_the_limit(rule, space, now, review, seed):
             chosen = np.vstack([chosen, *near])
             continue
@@ -79,6 +79,6 @@ def worthiest(
     return points[first], float(value[first])
 
 
-def _seed(rule: Rule, row: int) -> int:
+def seed_of(rule: Rule, row: int) -> int:
     """A seed for each row of the design."""
     return zlib.crc32(f"{rule.seed} {row}".encode())

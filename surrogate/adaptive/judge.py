@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,11 +20,15 @@ from surrogate.adaptive.aim import (
 from surrogate.adaptive.answers import Answers, processes
 from surrogate.adaptive.candidates import candidates
 from surrogate.adaptive.choose import worthiest
+from surrogate.adaptive.costs import Costs, costs
 from surrogate.adaptive.expected_feasibility import UNSURE, deviations_away
 from surrogate.adaptive.worth import Worth, prediction
 from surrogate.errors import FitError
+from surrogate.estimator import Regressor
 from surrogate.fitting.fit import Fit, fit, rmse
+from surrogate.regressors.cokriging import CoKriging
 from surrogate.regressors.gaussian_process import GaussianProcess
+from surrogate.regressors.level_process import LevelRuns
 from surrogate.sensitivity.sobol import sobol
 from surrogate.space.space import Space
 
@@ -33,9 +38,10 @@ Array = NDArray[np.float64]
 EVERY, SHARE = 5, 0.1
 #: Points of the parameters' law at which a side is judged.
 SAMPLES = 20_000
-REACHED, USED_UP, NO_IMPROVEMENT, NOTHING_LEFT = (
+REACHED, USED_UP, SPENT, NO_IMPROVEMENT, NOTHING_LEFT = (
     "reached",
     "runs used up",
+    "seconds spent",
     "no improvement",
     "nothing left",
 )
@@ -46,7 +52,7 @@ def is_due(rule: Rule, reviews: Sequence[Review], ended: int) -> bool:
     if not reviews:
         return True
     last = reviews[-1].runs
-    return ended >= min(last + max(EVERY, int(SHARE * last)), rule.until.runs) and ended > last
+    return ended >= min(last + max(EVERY, int(SHARE * last)), rule.until.most) and ended > last
 
 
 def reason(rule: Rule, reviews: Sequence[Review], rows: int, closed: bool = False) -> str:
@@ -58,11 +64,18 @@ def reason(rule: Rule, reviews: Sequence[Review], rows: int, closed: bool = Fals
         return NOTHING_LEFT
     if reviews and rule.until.reaches(reviews[-1].figure):
         return REACHED
-    if rows >= rule.until.runs:
+    if rows >= rule.until.most:
         return USED_UP
+    if reviews and reviews[-1].runs >= rows and not affords(rule, reviews[-1]):
+        return SPENT
     if rule.until.patience is not None and _stalled(rule, reviews, rule.until.patience):
         return NO_IMPROVEMENT
     return ""
+
+
+def affords(rule: Rule, found: Review | Costs) -> bool:
+    """Whether the seconds that are left suffice for the cheapest further run."""
+    return not found.spent + found.step > rule.until.budget
 
 
 def _stalled(rule: Rule, reviews: Sequence[Review], patience: int) -> bool:
@@ -78,14 +91,18 @@ def _stalled(rule: Rule, reviews: Sequence[Review], patience: int) -> bool:
 
 
 def review(rule: Rule, space: Space, answers: Answers) -> Review:
-    """Lengths from the answers so far, and the aim's figure."""
+    """Lengths from the answers so far, the aim's figure, and the seconds that were spent."""
+    spent = costs(rule, answers)
+    return replace(_reviewed(rule, space, answers), spent=spent.spent, step=spent.step)
+
+
+def _reviewed(rule: Rule, space: Space, answers: Answers) -> Review:
     if rule.aim.kind == PROBABILITY:
         return rare.review(rule.aim, space, answers)
     fits = {}
     for output in rule.aim.outputs:
-        X, y = answers.known(output)
         try:
-            fits[output] = fit(space, X, y, GaussianProcess(), surrogate="process", output=output)
+            fits[output] = _fitted(rule, space, answers, output)
         except FitError:
             return Review(int(answers.ended.sum()), np.nan, np.nan, {})
     lengths = {name: _lengths(one) for name, one in fits.items()}
@@ -119,7 +136,20 @@ def _judged(
     return float((away < UNSURE).mean()), np.nan
 
 
+def _fitted(rule: Rule, space: Space, answers: Answers, output: str) -> Fit:
+    """The process of one output; with levels of fidelity their co-kriging."""
+    estimator: Regressor = GaussianProcess()
+    if rule.levels:
+        *lower, truth = (answers.of_level(one.name) for one in rule.levels)
+        below = zip(rule.levels, lower, strict=False)
+        runs = [LevelRuns(*one.known(output), inputs=level.inputs) for level, one in below]
+        estimator, answers = CoKriging(lower=runs), truth
+    return fit(space, *answers.known(output), estimator, surrogate="process", output=output)
+
+
 def _lengths(one: Fit) -> tuple[float, ...]:
+    if isinstance(one.estimator, CoKriging):
+        return tuple(np.concatenate([level.logs_ for level in one.estimator.levels_]).tolist())
     assert isinstance(one.estimator, GaussianProcess)
     return tuple(one.estimator.logs_.tolist())
 

@@ -1,6 +1,7 @@
 """What an adaptive design has chosen, kept in the results folder: its only memory.
 
-    points_00020.json    coded points that follow the first 20 rows; none: there is none left
+    points_00020.json    coded points that follow the first 20 rows, and their levels of fidelity
+                         where there are some; none: there is none left
     review_00025.json    what was found when 25 runs had ended
 
 Each file is made once and by one process. So a design goes on where it was after any end, and
@@ -11,7 +12,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -27,6 +28,8 @@ from surrogate.runs.identity import canonical
 
 Array = NDArray[np.float64]
 
+#: The numbers of a review that may be gaps.
+NUMBERS = ("figure", "estimate", "spent", "step")
 #: Files whose content stays in memory: a design looks at all of its own for each choice.
 FILES = 10_000
 
@@ -38,11 +41,13 @@ class State:
     points   coded (k, parameter), behind the initial ones
     reviews  in the order of their runs
     closed   no allowed point is left
+    levels   of fidelity of the points; () for one level
     """
 
     points: Array
     reviews: tuple[Review, ...] = ()
     closed: bool = False
+    levels: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -54,23 +59,28 @@ class Kept:
     def read(self, initial: int, size: int) -> State:
         """All of it; initial: rows before the first choice, size: number of parameters."""
         parts, rows, closed = [np.empty((0, size))], initial, False
+        levels: list[str] = []
         while not closed and (path := self._points(rows)).exists():
             parts.append(_coded(path, size))
+            levels += map(str, _read(path).get("levels", ()))
             rows, closed = rows + len(parts[-1]), not len(parts[-1])
-        return State(np.vstack(parts), tuple(self._reviews()), closed)
+        return State(np.vstack(parts), tuple(self._reviews()), closed, tuple(levels))
 
     def write(self, initial: int, state: State) -> None:
         """Keep a state that comes from elsewhere; what is there already stays."""
         if len(state.points):
-            self.add_points(initial, state.points)
+            self.add_points(initial, state.points, state.levels)
         if state.closed:
             self.add_points(initial + len(state.points), state.points[:0])
         for review in state.reviews:
             self.add_review(review)
 
-    def add_points(self, rows: int, coded: Array) -> bool:
+    def add_points(self, rows: int, coded: Array, levels: Sequence[str] = ()) -> bool:
         """Keep points that follow so many rows; False when others have chosen there before."""
-        return write_new(self._points(rows), canonical({"coded": coded.tolist()}))
+        told: dict[str, Any] = {"coded": coded.tolist()}
+        return write_new(
+            self._points(rows), canonical({**told, "levels": list(levels)} if levels else told)
+        )
 
     def _reviews(self) -> list[Review]:
         """All reviews, in the order of their runs."""
@@ -103,19 +113,17 @@ def _review(path: Path) -> Review:
 def as_data(review: Review) -> dict[str, Any]:
     """The review as JSON data; JSON has no NaN, a gap is null."""
     lengths = {name: list(logs) for name, logs in review.lengths.items()}
-    figure, estimate = (
-        one if math.isfinite(one) else None for one in (review.figure, review.estimate)
-    )
-    return {"runs": review.runs, "figure": figure, "estimate": estimate, "lengths": lengths}
+    numbers = {word: getattr(review, word) for word in NUMBERS}
+    told = {word: one if math.isfinite(one) else None for word, one in numbers.items()}
+    return {"runs": review.runs, **told, "lengths": lengths}
 
 
 def from_data(found: Mapping[str, Any]) -> Review:
     """The review in JSON data."""
-    figure, estimate = (
-        math.nan if found[word] is None else float(found[word]) for word in ("figure", "estimate")
-    )
+    told = {word: found.get(word) for word in NUMBERS}
+    numbers = {word: math.nan if one is None else float(one) for word, one in told.items()}
     lengths = {name: tuple(map(float, logs)) for name, logs in found["lengths"].items()}
-    return Review(int(found["runs"]), figure, estimate, lengths)
+    return Review(int(found["runs"]), lengths=lengths, **numbers)
 
 
 def _read(path: Path) -> Mapping[str, Any]:

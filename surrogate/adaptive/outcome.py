@@ -8,7 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from surrogate.adaptive.aim import NAMES, OPTIMUM, PROBABILITY, Review, Rule
-from surrogate.adaptive.judge import NO_IMPROVEMENT, NOTHING_LEFT, REACHED, USED_UP, reason
+from surrogate.adaptive.judge import (
+    NO_IMPROVEMENT,
+    NOTHING_LEFT,
+    REACHED,
+    SPENT,
+    USED_UP,
+    reason,
+)
 from surrogate.adaptive.kept import State, as_data, from_data
 
 #: The attribute of a runs dataset that holds the outcomes of its adaptive designs.
@@ -21,11 +28,12 @@ class Outcome:
 
     aim, kind  in words, and which of the five
     identity   of its rule
-    initial    runs before the first choice, rows: all, most: at most
+    initial    runs before the first choice, rows: all, most: at most, None for any number
     unit       of the value and of figures that have one
     figure     what is judged, goal: that it must reach, NaN for none
     ended      why it takes no more points; "" while it does
     batch      points chosen together; None for one as soon as a place is free
+    budget     seconds of the solver that all runs may take, None for any
     """
 
     aim: str
@@ -33,13 +41,29 @@ class Outcome:
     identity: str
     initial: int
     rows: int
-    most: int
+    most: int | None
     unit: str
     figure: str
     goal: float
     reviews: tuple[Review, ...]
     ended: str
     batch: int | None = None
+    budget: float | None = None
+
+    @property
+    def ahead(self) -> int:
+        """Runs that may still be added, at most, as far as the costs of a run are known."""
+        if self.ended:
+            return 0
+        left = [] if self.most is None else [self.most - self.rows]
+        if self.budget is not None and math.isfinite(self._spent):
+            left.append(int((self.budget - self._spent) // self.reviews[-1].step))
+        return max(min(left, default=0), 0)
+
+    @property
+    def _spent(self) -> float:
+        """Seconds at the last review; NaN without one."""
+        return self.reviews[-1].spent if self.reviews else math.nan
 
     @property
     def last(self) -> float:
@@ -47,7 +71,7 @@ class Outcome:
         return self.reviews[-1].figure if self.reviews else math.nan
 
     def __str__(self) -> str:
-        parts = [f"{self.rows} of at most {self.most} runs, aim: {self.aim}"]
+        parts = [f"{self._counted}, aim: {self.aim}"]
         if not self.reviews:
             parts.append(self._plan)
         if math.isfinite(self.last):
@@ -55,6 +79,14 @@ class Outcome:
         if self.ended:
             parts.append(f"ended: {self._why}")
         return "; ".join(parts)
+
+    @property
+    def _counted(self) -> str:
+        runs = f"{self.rows} of at most {self.most} runs" if self.most else f"{self.rows} runs"
+        if self.budget is None:
+            return runs
+        spent = f"{self._spent:.3g} " if math.isfinite(self._spent) else ""
+        return f"{runs}, {spent}of at most {self.budget:.4g} s of the solver"
 
     @property
     def _plan(self) -> str:
@@ -84,6 +116,7 @@ class Outcome:
         return {
             REACHED: "the goal is reached",
             USED_UP: f"the runs are used up{missed}",
+            SPENT: f"the seconds are spent{missed}",
             NO_IMPROVEMENT: f"the figure does not improve any more{missed}",
             NOTHING_LEFT: f"no allowed point is left{missed}",
         }[self.ended]
@@ -116,6 +149,7 @@ def outcome(rule: Rule, initial: int, state: State) -> Outcome:
         state.reviews,
         reason(rule, state.reviews, rows, state.closed),
         rule.batch,
+        rule.until.seconds,
     )
 
 

@@ -32,6 +32,7 @@ class Design(Carded):
     identity  equal for designs of equal method, options, augmentations and space
     replicates  how often each point stands in the rows
     chosen    number of rows at the end that followed from answers (adaptive designs)
+    chosen_levels  of fidelity of these rows; () where they are all of the last level
     """
 
     name: str
@@ -45,6 +46,7 @@ class Design(Carded):
     identity: str = ""
     replicates: int = 1
     chosen: int = 0
+    chosen_levels: tuple[str, ...] = ()
 
     @property
     def _card(self) -> Card:
@@ -79,9 +81,9 @@ class Design(Carded):
         """The points (run, parameter) that followed from no answer."""
         return self.coded[: len(self.coded) - self.chosen]
 
-    def with_chosen(self, coded: NDArray[np.float64]) -> Design:
-        """The same initial points, and these behind them."""
-        found = replace(self, chosen=len(coded))
+    def with_chosen(self, coded: NDArray[np.float64], levels: tuple[str, ...] = ()) -> Design:
+        """The same initial points, and these, of these levels of fidelity, behind them."""
+        found = replace(self, chosen=len(coded), chosen_levels=levels)
         return found.with_points(np.vstack([self.initial, coded]))
 
     @property
@@ -94,6 +96,7 @@ class Design(Carded):
         if not isinstance(counts, Mapping):
             return []
         named = [name for name, count in counts.items() for _ in range(count)]
+        named += self.chosen_levels
         return (named + [list(counts)[-1]] * max(self.runs - len(named), 0))[: self.runs]
 
     @property

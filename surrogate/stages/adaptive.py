@@ -24,7 +24,7 @@ def adaptive(rules: Mapping[str, Rule], space: Space, runs: xr.Dataset) -> dict[
     for name, rule in rules.items():
         if name in told:
             one = outcome_from(told[name])
-            chosen = rule.aim.kind == ACCURACY and one.rows > one.initial
+            chosen = rule.aim.kind == ACCURACY and one.rows > one.initial and not rule.levels
             paid = tuple(_paid(rule, name, one, space, runs)) if chosen else ()
             found[name] = Grown(one, paid)
     return found

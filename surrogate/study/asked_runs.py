@@ -97,7 +97,7 @@ class AskedRuns:
     def grown(self) -> AskedRuns:
         """The same with the points that adaptive designs have chosen since."""
         new = {
-            name: self.designs[name].with_chosen(state.points)
+            name: self.designs[name].with_chosen(state.points, state.levels)
             for name, state in self.states.items()
             if len(state.points) != self.designs[name].chosen
         }
@@ -129,8 +129,7 @@ class AskedRuns:
     def waiting(self) -> int:
         """Runs whose points are not found yet, of adaptive designs at most: none is done."""
         sought = sum(design.rows for design in self.designs.values() if not design.at_hand)
-        growing = self.outcomes.values()
-        return sought + sum(one.most - one.rows for one in growing if not one.ended)
+        return sought + sum(one.ahead for one in self.outcomes.values())
 
     @property
     def journal(self) -> Path:

@@ -14,6 +14,7 @@ from surrogate.adaptive.judge import NOTHING_LEFT
 from surrogate.adaptive.kept import Kept, State
 from surrogate.adaptive.outcome import ATTRIBUTE, outcome_from
 from surrogate.designs.design import Design
+from surrogate.runs.dataset import LEVEL
 
 
 def kept(results: Path, rule: Rule) -> Kept:
@@ -51,8 +52,10 @@ def _in(stored: Iterable[xr.Dataset], name: str, rule: Rule) -> State | None:
         if told.get(name, {}).get("identity") != rule.identity:
             continue
         found = outcome_from(told[name])
-        coded = runs["coded"].values[runs["design"].values.astype(str) == name]
-        if len(coded) == found.rows:
+        own = runs.isel(run=np.flatnonzero(runs["design"].values.astype(str) == name))
+        if own.sizes["run"] == found.rows:
+            chosen = own.isel(run=slice(found.initial, None))
+            levels = tuple(chosen[LEVEL].values.astype(str).tolist()) if rule.levels else ()
             closed = found.ended == NOTHING_LEFT
-            return State(coded[found.initial :], found.reviews, closed)
+            return State(chosen["coded"].values, found.reviews, closed, levels)
     return None

@@ -10,7 +10,7 @@ from surrogate.adaptive.aim import FIGURES, NAMES
 from surrogate.study.parts.methods import DesignPart
 from surrogate.study.parts.part import Part
 from surrogate.study.parts.solve import Quantity
-from surrogate.study.parts.values import Name, Texts
+from surrogate.study.parts.values import Duration, Name, Texts
 
 #: The word that tells an adaptive design from the others.
 ADAPTIVE = "adaptive"
@@ -28,7 +28,17 @@ Share = Annotated[float, Field(gt=0, lt=1)]
 class AdaptiveUntilPart(Part):
     """When the design ends."""
 
-    runs: int = Field(ge=1, description="Most runs, the initial design included.", examples=[120])
+    runs: int | None = Field(
+        None,
+        ge=1,
+        description="Most runs, the initial design included; this or seconds is needed.",
+        examples=[120],
+    )
+    seconds: Duration = Field(
+        None,
+        description="Most time of the solver, of all runs together, the initial ones included.",
+        examples=["2 h"],
+    )
     q2: Share | None = Field(
         None, description="accuracy: Q2 of left-out runs of the design.", examples=[0.99]
     )
@@ -127,6 +137,8 @@ class AdaptivePart(Part):
             raise ValueError(
                 f"aim {self.aim} does not take {wrong[0]}; it takes {' or '.join(allowed)}"
             )
+        if self.until.runs is None and self.until.seconds is None:
+            raise ValueError("until: give runs: 120, or seconds: 2 h, or both")
         if self.aim == "optimum" and len(given) != 1:
             raise ValueError("aim optimum needs one of minimise: OUTPUT and maximise: OUTPUT")
         if self.aim == "target" and len(self.target) != 1:

@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import Field
 
 from surrogate.study.parts.part import Part
+from surrogate.study.parts.values import Duration
 
 
 class LevelPart(Part):
@@ -23,4 +24,10 @@ class LevelPart(Part):
         description="Options of that solver; of the study's own solver they come before those "
         "under solver.",
         examples=[{"mesh": "coarse"}],
+    )
+    seconds: Duration = Field(
+        None,
+        description="What a run of it counts for adaptive designs. Default: the time that its runs "
+        "have taken.",
+        examples=["5 s"],
     )

@@ -10,10 +10,11 @@ from typing import Literal
 
 import numpy as np
 
-from surrogate.adaptive.aim import FIGURES, INDEX_WIDTH, Aim, Rule, Until
+from surrogate.adaptive.aim import ACCURACY, FIGURES, INDEX_WIDTH, Aim, Level, Rule, Until
 from surrogate.designs.design import Design
 from surrogate.errors import StudyError
 from surrogate.runs.identity import SolverSpec, canonical
+from surrogate.runs.levels import LevelsSpec
 from surrogate.solver import Output, Solver
 from surrogate.space import units
 from surrogate.space.space import Space
@@ -57,8 +58,9 @@ def rules_of(
                 )
             seed = part.seed if part.seed is not None else zlib.crc32(name.encode())
             until = _until(part, aim, offered)
-            identity = _identity(designs[name], space, spec, constants, aim, seed)
-            rules[name] = Rule(aim, until, part.batch, seed, identity)
+            levels = _levels(reading, designs[name], spec, space)
+            identity = _identity(designs[name], space, spec, constants, aim, seed, levels)
+            rules[name] = Rule(aim, until, part.batch, seed, identity, levels)
     return rules
 
 
@@ -77,7 +79,14 @@ def _check(
         )
     if getattr(solver, "recorded", False):
         raise StudyError("a table has no further runs; an adaptive design needs a solver")
-    if initial is not None and initial.rows > part.until.runs:
+    if part.until.seconds is not None and getattr(solver, "told", False):
+        raise StudyError("answers that are told have no seconds; give until: runs")
+    if initial is not None and initial.levels and part.aim != ACCURACY:
+        raise StudyError(
+            f"aim {part.aim} has runs of the last level only; take aim accuracy, which chooses "
+            "levels of fidelity too, or begin with a design that names no levels"
+        )
+    if initial is not None and part.until.runs is not None and initial.rows > part.until.runs:
         raise StudyError(
             f"until: runs {part.until.runs} is less than the {initial.rows} runs of initial; "
             "raise it, or begin with fewer runs"
@@ -132,8 +141,22 @@ def _until(part: AdaptivePart, aim: Aim, offered: Mapping[str, Output]) -> Until
             if len({offered[name].unit for name in aim.outputs}) > 1:
                 raise StudyError(f"until: {figure} suits one unit; name one output, or give q2")
             value = units.distance(str(value), aim.unit, figure, f"write 2 or '2 {aim.unit}'")
-        return Until(given.runs, figure, float(value), given.patience)
-    return Until(given.runs, FIGURES[aim.kind][0], None, given.patience)
+        return Until(given.runs, figure, float(value), given.patience, given.seconds)
+    return Until(given.runs, FIGURES[aim.kind][0], None, given.patience, given.seconds)
+
+
+def _levels(reading: Reading, initial: Design, spec: SolverSpec, space: Space) -> tuple[Level, ...]:
+    """The levels of fidelity of a design that begins with runs of all."""
+    if not initial.levels or not isinstance(spec, LevelsSpec):
+        return ()
+    return tuple(
+        Level(
+            name,
+            tuple(k for k, one in enumerate(space.names) if one in level.solver.inputs),
+            reading.part.levels[name].seconds,
+        )
+        for name, level in spec.levels.items()
+    )
 
 
 def _identity(
@@ -143,10 +166,14 @@ def _identity(
     constants: Mapping[str, float | str],
     aim: Aim,
     seed: int,
+    levels: tuple[Level, ...],
 ) -> str:
     """Equal for rules that choose the same points from the same answers of the same solver."""
     laws = [[p.name, p.distribution and p.distribution.words, p.levels] for p in space.parameters]
     begun = initial.identity or np.round(initial.coded, 12).tolist()
     said = [begun, laws, space.correlation, [one.text for one in space.constraints]]
     said += [spec.context, dict(constants), vars(aim), seed]
+    if isinstance(spec, LevelsSpec) and levels:
+        contexts = [one.context for one in spec.levels.values()]
+        said += [[vars(one) for one in levels], contexts]
     return "adaptive_" + hashlib.sha256(canonical(said).encode()).hexdigest()[:32]

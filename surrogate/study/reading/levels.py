@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from surrogate.designs.design import Design
-from surrogate.errors import nearest
+from surrogate.errors import KeyPath, nearest
 from surrogate.runs.dataset import LEVEL
 from surrogate.runs.identity import SolverSpec
 from surrogate.runs.levels import spec_of
@@ -79,10 +79,13 @@ def check_nested(reading: Reading, designs: Mapping[str, Design]) -> None:
     known = list(reading.part.levels)
     for name in designs:
         part = reading.part.designs.get(name)
-        named = None if part is None or isinstance(part, AdaptivePart) else part.options.get("runs")
+        path: KeyPath = ("designs", name)
+        if isinstance(part, AdaptivePart):
+            part, path = part.initial, (*path, "initial")
+        named = None if part is None else part.options.get("runs")
         if not isinstance(named, Mapping) or reading.is_broken("levels"):
             continue
-        path = ("designs", name, "runs")
+        path = (*path, "runs")
         if not known:
             reading.wrong("runs name levels of fidelity, but the study has no levels:", *path)
             continue
