@@ -57,10 +57,10 @@ def _near_the_limit(
     (process,) = processes(rule.aim, space, answers, review).values()
     if not process.scale_ > 0.0:
         return []
-    if len(answers.coded) % rare.EXPLORING:
-        found = rare.telling(rule.aim, space, process, answers, seed)
-    else:
+    if rare.explores(len(answers.coded)):
         found = rare.exploring(space, process, answers, review.estimate, seed)
+    else:
+        found = rare.telling(rule.aim, space, process, answers, seed)
     return [found] if len(found) else []
 
 

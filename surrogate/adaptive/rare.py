@@ -13,13 +13,15 @@ accurate approximation of a target region", J. Mechanical Design 132, 071008; sa
 region: Bect, Li and Vazquez 2017, "Bayesian subset simulation", SIAM/ASA JUQ 5, 762-786).
 
 A process that is sure of itself too early (few runs, a kink, one of several regions seen) leaves
-regions out, however far `UNSURE` reaches. So one run in `EXPLORING` does not ask it: it is the
-point farthest from all runs in the ball of standard normal space outside of which lies a tenth
-of the probability of the event, so that no region that counts lies beyond.
+regions out, however far `UNSURE` reaches. So some runs do not ask it: each is the point farthest
+from all runs in the ball of standard normal space outside of which lies a tenth of the probability
+of the event, so that no region that counts lies beyond. They are those that follow on 1, 3, 6,
+10, 15, .. runs: a share that falls but never ends.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -48,9 +50,9 @@ Array = NDArray[np.float64]
 REVIEWED = 2000
 #: Points of a level; of the region that are candidates, and that are told of.
 POINTS, CANDIDATES, TOLD = 1000, 400, 400
-#: One chosen run in so many explores; share of the event's probability that may lie beyond,
-#: smallest probability that it is reckoned with, and points among which it is chosen.
-EXPLORING, BEYOND, RAREST, EXPLORED = 5, 0.1, 1e-10, 5000
+#: Share of the event's probability that may lie beyond the ball that is explored, smallest
+#: probability that it is reckoned with, and points among which one is chosen.
+BEYOND, RAREST, EXPLORED = 0.1, 1e-10, 5000
 #: Candidates nearer to a point so far, in the columns of the process, are that point.
 APART = 1e-3
 
@@ -100,6 +102,11 @@ def telling(aim: Aim, space: Space, process: GaussianProcess, answers: Answers, 
     worth = covariances(process, X, told) ** 2 @ weights / own**2
     best = int(np.argmax(worth))
     return X[best : best + 1]
+
+
+def explores(runs: int) -> bool:
+    """Whether the next run explores: after n (n + 1) / 2 runs."""
+    return math.isqrt(8 * runs + 1) ** 2 == 8 * runs + 1
 
 
 def exploring(
