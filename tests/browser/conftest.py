@@ -43,6 +43,16 @@ screening: {freeze_below: 0.02}
 """
 
 
+#: `bandage_surrogates` on fewer of its runs: all its outputs, stored runs, three surrogates.
+SHORTER = {
+    "study: bandage_surrogates": "study: bandage_shorter",
+    "runs: 128": "runs: 24",
+    "  interactions: {method: interactions}\n": "",
+    "  quadratic:    {method: quadratic}\n": "",
+    "stored: ../solvers": f"stored: {(STUDIES.parent / 'solvers').as_posix()}",
+}
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """One worker for all tests with a browser."""
     for item in items:
@@ -110,6 +120,15 @@ def _table(folder: Path) -> Path:
     return _run(folder / "beams.yaml", folder / "results")
 
 
+def _shorter(folder: Path) -> Path:
+    text = (STUDIES / "bandage_surrogates.yaml").read_text(encoding="utf-8")
+    for words, others in SHORTER.items():
+        assert words in text
+        text = text.replace(words, others)
+    (folder / "bandage_shorter.yaml").write_text(text, encoding="utf-8")
+    return _run(folder / "bandage_shorter.yaml", folder / "results")
+
+
 def _categorical(folder: Path) -> Path:
     content = make(wide_space(6), outputs=("pressure_b1", "slope"), screened=True)
     return report.build(content).save(folder / "report.html")
@@ -120,10 +139,10 @@ def report_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]
     """Path of a finished report, made when it is first asked for.
 
     `bandage_laplace`: two outputs, screened; `bandage_surrogates`: five outputs, one of them a
-    field, stored runs; `table`: measured beams, no solver; `categorical`: made-up runs with a
-    categorical and a normal parameter, two outputs.
+    field, stored runs, and `bandage_shorter`, the same on fewer runs; `table`: measured beams, no
+    solver; `categorical`: made-up runs with a categorical and a normal parameter, two outputs.
     """
-    makers = {"table": _table, "categorical": _categorical}
+    makers = {"table": _table, "categorical": _categorical, "bandage_shorter": _shorter}
 
     @cache
     def path(name: str) -> Path:
@@ -135,7 +154,13 @@ def report_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]
     return path
 
 
-REPORTS = ("bandage_laplace", "bandage_surrogates", "table", "categorical")
+REPORTS = (
+    "bandage_laplace",
+    "bandage_shorter",
+    "table",
+    "categorical",
+    pytest.param("bandage_surrogates", marks=pytest.mark.slow),
+)
 
 
 @pytest.fixture(params=REPORTS)

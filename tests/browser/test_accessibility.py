@@ -8,10 +8,23 @@ axe = pytest.importorskip("axe_playwright_python.sync_playwright")
 #: All folds; of the tables of numbers, which are all made alike, the first.
 UNFOLD = """document.querySelectorAll("details:not(.behind), .verdict .behind")
   .forEach((fold) => { fold.open = true; })"""
+#: Of rows of a table and of marks of a drawing that are alike but for words and places, two stay:
+#: what is wrong with one is wrong with all, and axe takes a millisecond for each.
+THIN_OUT = """() => {
+  const kind = (one) => one.outerHTML.replace(/>[^<]*</g, "><")
+    .replace(/ (?!class|style|role|aria-|tabindex)[\\w-]+="[^"]*"/g, "");
+  for (const group of document.querySelectorAll("tbody, svg, svg g")) {
+    const seen = {};
+    for (const one of [...group.children].filter((e) => e.matches("tr, circle, rect, path, line")))
+      if ((seen[kind(one)] = (seen[kind(one)] ?? 0) + 1) > 2) one.remove();
+  }
+}"""
 
 
 def violations(page):
-    """What axe-core finds, a line each."""
+    """What axe-core finds when all is unfolded, a line each."""
+    page.evaluate(UNFOLD)
+    page.evaluate(THIN_OUT)
     found = axe.Axe().run(page, options={"resultTypes": ["violations"]})
     return [
         f"{one['id']}: {node['html'][:120]} {node['failureSummary'][:300]}"
@@ -27,14 +40,12 @@ def violations(page):
 )
 def test_axe_finds_nothing(report_of, open_page, name):
     page = open_page(report_of(name)).page
-    page.evaluate(UNFOLD)
     assert violations(page) == []
 
 
 @pytest.mark.parametrize("name", ("table", "categorical"))
 def test_axe_finds_nothing_in_the_dark(report_of, open_page, name):
     page = open_page(report_of(name), width=390, height=844, color_scheme="dark").page
-    page.evaluate(UNFOLD)
     assert violations(page) == []
 
 

@@ -11,7 +11,7 @@ def shown(page):
 
 def test_a_choice_of_output_switches_its_figures(report_of, open_page):
     """By a click anywhere in its row, and by the arrow keys."""
-    page = open_page(report_of("bandage_surrogates")).page
+    page = open_page(report_of("bandage_shorter")).page
     assert page.locator(".outputs tbody tr").count() == 5
     assert shown(page) == ["pressure_b1:"]
     page.locator(".outputs tr", has_text="slip_max").locator("td").first.click()

@@ -1,6 +1,11 @@
 """Nothing is cut off and nothing makes the page scroll sideways, on a screen or on paper."""
 
+from dataclasses import replace
+
 import pytest
+from made_up import make
+
+from surrogate import report
 
 WIDTHS = (1440, 1024, 390)
 UNFOLD = "document.querySelectorAll('details').forEach((fold) => { fold.open = true; })"
@@ -25,6 +30,14 @@ def test_the_page_does_not_scroll_sideways(finished, open_page, width):
     page.evaluate(UNFOLD)
     assert page.evaluate(BEYOND) == []
     assert page.evaluate("document.documentElement.scrollWidth") == width
+
+
+def test_a_long_word_is_broken(open_page, tmp_path):
+    """Such as the path of a file of stored runs, on a small screen."""
+    content = make(surrogates=("linear",), train=12, test=0, sensitivity=False)
+    path = report.build(replace(content, about="/a/long/path" * 20)).save(tmp_path / "report.html")
+    page = open_page(path, width=390).page
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
 
 
 def test_a_wide_table_scrolls_in_its_frame_under_its_heads(report_of, open_page):
