@@ -32,13 +32,24 @@ STEADY_END = 0.15
 class Profile:
     """Girth against height of a surface along its z axis.
 
-    z, girth  (n,) levels where the section is complete, lowest first, and girths there
-    open      whether the lowest level is a cut (or the end of the scan), not a round end
+    z, girth  (n,) levels where the section is complete, lowest first, and smoothed girths there
+    raw       (n,) girths as they were cut
     """
 
     z: np.ndarray
     girth: np.ndarray
-    open: bool
+    raw: np.ndarray
+
+    @property
+    def open(self) -> bool:
+        """Whether the lowest level is a cut (or the end of the scan), not a round end."""
+        near = max(3, len(self.z) * 3 // 100)
+        return bool(abs(self.raw[near] - self.raw[1]) < STEADY_END * self.raw[near])
+
+    @property
+    def upside_down(self) -> Profile:
+        """That of the surface with its z axis the other way."""
+        return Profile(-self.z[::-1], self.girth[::-1], self.raw[::-1])
 
 
 @dataclass(frozen=True)
@@ -65,14 +76,12 @@ def profile(vertices: np.ndarray, triangles: np.ndarray) -> Profile:
     """Girths along z, smoothed by splines of a twentieth of the length."""
     z = complete_levels(vertices, triangles)
     if len(z) < LEVELS // 8:
-        return Profile(z[:0], z[:0], False)
+        return Profile(z[:0], z[:0], z[:0])
     raw = cut_sections(vertices, triangles, z).girth
     smoothed = smooth(z, raw)
     if not smoothed.min() > 0:  # an axis across the leg
-        return Profile(z[:0], z[:0], False)
-    near = max(3, len(z) * 3 // 100)
-    steady = abs(raw[near] - raw[1]) < STEADY_END * raw[near]
-    return Profile(z, smoothed, bool(steady))
+        return Profile(z[:0], z[:0], z[:0])
+    return Profile(z, smoothed, raw)
 
 
 def smooth(z: np.ndarray, values: np.ndarray, spans: int = 20) -> np.ndarray:

@@ -21,7 +21,7 @@ from ..geometry.basis import INNER, Basis
 from ..geometry.cohort import SECTIONS, snapshot
 from .directions import Directions
 from .errors import ScanError
-from .girths import Zone, profile, zones
+from .girths import Profile, Zone, profile, zones
 from .reading import triangle_areas
 from .sections import Sections, cut_sections
 
@@ -97,7 +97,11 @@ MIRROR = np.diag([-1.0, 1.0, 1.0])
 
 def starts(body: Body, basis: Basis) -> list[Start]:
     """Guesses for a right leg, best first; [] when no axis shows an ankle under a calf."""
-    guesses = [_upright(body.turned(_to_z(axis))) for axis in _axes(body)]
+    guesses = []
+    for axis in _axes(body)[::2]:
+        up, down = body.turned(_to_z(axis)), body.turned(_to_z(-axis))
+        seen = profile(up.vertices, up.triangles)
+        guesses += [_upright(up, seen), _upright(down, seen.upside_down)]
     found = [_turned_best(Start(*guess, np.inf), basis) for guess in guesses if guess is not None]
     return sorted(found, key=lambda start: start.misfit)
 
@@ -131,19 +135,20 @@ def _to_z(axis: np.ndarray) -> np.ndarray:
     return np.array([x, np.cross(axis, x), axis])
 
 
-def _upright(body: Body) -> tuple[Body, Zone] | None:
+def _upright(body: Body, girths: Profile) -> tuple[Body, Zone] | None:
     """The body with its line of centres from ankle to calf along z, and its narrowest zone.
 
-    It is turned three times, for the sections turn with it.
+    It is turned three times, for the sections turn with it. girths: its profile as it is.
     """
     for _ in range(3):
-        seen = zones(profile(body.vertices, body.triangles))
+        seen = zones(girths)
         if not seen:
             return None
         z = np.linspace(seen[0].ankle, seen[0].calf, 12)
         centre = cut_sections(body.vertices, body.triangles, z).centre
         body = body.turned(_to_z(np.append(np.polyfit(z, centre, 1)[0], 1.0)))
-    seen = zones(profile(body.vertices, body.triangles))
+        girths = profile(body.vertices, body.triangles)
+    seen = zones(girths)
     return (body, seen[0]) if seen else None
 
 
