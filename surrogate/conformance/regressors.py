@@ -22,16 +22,17 @@ RUNS, ELSEWHERE = 40, 25
 Numbers = NDArray[np.float64]
 
 
-def check_regressor(estimator: Any, *, runs: int = RUNS) -> None:
+def check_regressor(estimator: Any, *, runs: int = RUNS, space: Space = SPACE) -> None:
     """Raise `PluginError` with everything about an unfitted `estimator` that breaks the contract.
 
-    runs: number of training points of a smooth function of three inputs.
+    runs   number of training points of a smooth function of three inputs
+    space  of the three inputs, for a regressor that is not for three ranges
     """
     name = type(estimator).__name__
     conclude(name, [*documented(estimator), *_estimator(estimator)])
     rng = np.random.default_rng(0)
-    X, Z = (rng.uniform(-1.0, 1.0, (n, SPACE.size)) for n in (runs, ELSEWHERE))
-    conclude(name, _behaviour(_prepared(estimator), X, _smooth(X), Z))
+    X, Z = (space.snap(rng.uniform(-1.0, 1.0, (n, space.size))) for n in (runs, ELSEWHERE))
+    conclude(name, _behaviour(_prepared(estimator, space), X, _smooth(X), Z))
 
 
 def _smooth(X: Numbers) -> Numbers:
@@ -51,10 +52,10 @@ def _estimator(estimator: Any) -> Iterable[str]:
         yield "a clone has other parameters; let get_params name all arguments of __init__"
 
 
-def _prepared(estimator: Any) -> Any:
+def _prepared(estimator: Any, space: Space) -> Any:
     """A clone, with the space if it asks for one, as a study would set it."""
     copied = clone(estimator)
-    return copied.set_params(space=SPACE) if "space" in copied.get_params(deep=False) else copied
+    return copied.set_params(space=space) if "space" in copied.get_params(deep=False) else copied
 
 
 def _behaviour(estimator: Any, X: Numbers, y: Numbers, Z: Numbers) -> list[str]:

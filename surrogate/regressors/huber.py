@@ -18,7 +18,7 @@ and the standard errors of Huber and Ronchetti, equation 7.83.
 from __future__ import annotations
 
 import math
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 import xarray as xr
@@ -27,8 +27,9 @@ from scipy import stats
 
 from surrogate.regressors.columns import Term, columns_of
 from surrogate.regressors.least_squares import least_squares
+from surrogate.regressors.leave_one_out import by_refits
 from surrogate.regressors.polynomial import TermRegressor
-from surrogate.regressors.selection import CANDIDATES, SelectedPolynomial
+from surrogate.regressors.selection import CANDIDATES, Order, SelectedPolynomial
 from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
@@ -46,7 +47,6 @@ PSEUDO = (
     "Huber's estimate: wild runs count less. R2, tests and Q2 are of values in which their "
     "errors are cut off."
 )
-Order = Literal["linear", "interactions", "quadratic"]
 
 
 class Huber(SelectedPolynomial):
@@ -79,6 +79,7 @@ class Huber(SelectedPolynomial):
         if not self.epsilon > 0.0:
             raise ValueError(f"epsilon {self.epsilon}: give a number above 0, such as {EFFICIENT}")
         matrix, outputs = self._matrix(X, y)
+        self.values_ = outputs
         coefficients, limit = self._reweighted(matrix, outputs)
         fitted = matrix @ coefficients
         errors = outputs - fitted
@@ -113,6 +114,10 @@ class Huber(SelectedPolynomial):
         inside = float(np.mean(np.abs(errors) <= limit))
         correction = 1.0 + len(self.terms_) / len(errors) * (1.0 - inside) / inside
         return np.clip(errors, -limit, limit) * correction / inside
+
+    def leave_one_out(self) -> Array:
+        """Predictions (n,) of each run by a fit without it."""
+        return by_refits(self, self.points_, self.values_)
 
     def regression_table(
         self, *, confidence: float = 0.95, deterministic: bool = False

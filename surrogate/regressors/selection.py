@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import warnings
 from itertools import chain
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -42,6 +43,7 @@ SELECTED = (
 #: Terms that enter or leave together are those of the same parameters and powers.
 Group = tuple[tuple[int, int], ...]
 Terms = dict[Group, list[Term]]
+Order = Literal["linear", "interactions", "quadratic"]
 Chosen = frozenset[Group]
 
 Array = NDArray[np.float64]

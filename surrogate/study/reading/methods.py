@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from surrogate.designs.design import Design
-from surrogate.errors import Mistake, PluginError, StudyError, nearest
+from surrogate.errors import FitError, Mistake, PluginError, StudyError, nearest
 from surrogate.fitting.fit import minimum_runs
 from surrogate.sensitivity import groups as grouping
 from surrogate.sensitivity.independence import needs_no_surrogate, spoilt
@@ -120,7 +120,11 @@ def too_small(
         if any(name not in designs for name in one.train):
             continue
         points = _different([designs[name] for name in one.train])
-        needed = minimum_runs(one.estimator, space)
+        try:
+            needed = minimum_runs(one.estimator, space)
+        except FitError as error:  # its options do not suit the parameters
+            yield Mistake(("surrogates", one.name, "options"), str(error))
+            continue
         if points < needed:
             yield Mistake(
                 ("surrogates", one.name),

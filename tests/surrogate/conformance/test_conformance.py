@@ -18,6 +18,8 @@ from surrogate.conformance import (
 )
 from surrogate.errors import DesignError, PluginError, SolverError
 from surrogate.solver import Constraint, Input, Output, broken
+from surrogate.space.distributions import uniform
+from surrogate.space.space import Parameter, Space
 
 #: What a plug-in needs in order to be built, by entry-point name.
 SOLVER_OPTIONS = {
@@ -33,9 +35,18 @@ DESIGN_OPTIONS = {
     "fractional_factorial": {"resolution": 3},
     "nested": {"runs": {"cheap": 20, "true": 12}},
     "supersaturated": {"runs": 6},
+    "split_plot": {"whole_plots": "batch", "hard_to_change": ["length"]},
 }
+BATCHES = Space(
+    (
+        *(Parameter(name, uniform(0, 1)) for name in ("length", "width")),
+        Parameter("batch", levels=("a", "b", "c", "d")),
+    )
+)
 #: Where a design is not for the usual three parameters.
-DESIGN_SPACES = {"supersaturated": spaces.cube(10)}
+DESIGN_SPACES = {"supersaturated": spaces.cube(10), "split_plot": BATCHES}
+#: Options and inputs of regressors that need some.
+REGRESSOR_OPTIONS = {"mixed_model": ({"random": "batch"}, BATCHES)}
 
 
 def plugins(group):
@@ -83,8 +94,9 @@ def test_installed_augmentations(point):
 
 @pytest.mark.parametrize("point", plugins("surrogate.regressors"))
 def test_installed_regressors(point):
-    """Each installed regressor with its default arguments."""
-    check_regressor(point.load()())
+    """Each installed regressor with its default arguments, where it can do without others."""
+    options, space = REGRESSOR_OPTIONS.get(point.name, ({}, None))
+    check_regressor(point.load()(**options), **({"space": space} if space else {}))
 
 
 @pytest.mark.parametrize("group", ["solvers", "designs", "augmentations", "regressors"])

@@ -82,3 +82,10 @@ def test_exact_runs_with_a_few_wild_ones_give_the_exact_polynomial():
     model = Huber().fit(x, 3.0 + 2.0 * x[:, 0] - x[:, 1])
     assert model.coef_ == pytest.approx([3.0, 2.0, -1.0], abs=1e-12)
     assert not len(model.suspicious_)
+
+
+def test_leave_one_out_refits():
+    x, y = line(n=12)
+    rest = np.arange(12) != 4
+    expected = Huber().fit(x[rest], y[rest]).predict(x[[4]])[0]
+    assert Huber().fit(x, y).leave_one_out()[4] == pytest.approx(expected, rel=1e-12)
