@@ -34,6 +34,7 @@ from surrogate.regressors import portable
 from surrogate.regressors.columns import columns_of, expand
 from surrogate.regressors.field import Field
 from surrogate.regressors.folds import point_folds
+from surrogate.regressors.registered import Registered
 from surrogate.space.space import Space
 
 Numbers = NDArray[np.intp]
@@ -257,7 +258,9 @@ def prepare(estimator: Regressor, space: Space, *, seed: int = 0, field: bool = 
     elif any(parameter.categorical for parameter in space.parameters):
         of = columns_of(space, space.size)
         ready = make_pipeline(FunctionTransformer(expand, kw_args={"of": of}), ready)
-    return Field(ready) if field else ready
+    if not field:
+        return ready
+    return Registered(ready) if getattr(ready, "register", False) else Field(ready)
 
 
 def minimum_runs(estimator: Regressor, space: Space) -> int:
