@@ -12,7 +12,6 @@ method of Gauss and Newton, for all runs at once. Rows are the other dimensions,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +22,7 @@ Array = NDArray[np.float64]
 #: Coefficients of a displacement along the moving dimension, and along each other one.
 ALONG, ACROSS = 12, 10
 #: Weight of smoothness, as a multiple of the mean curvature of the sum of squares.
-STIFFNESS = 10.0
+STIFFNESS = 1.0
 #: Part of that weight that draws the displacement itself to zero.
 RIDGE = 0.02
 #: Steps of Gauss and Newton, and the longest one as a share of the dimension's length.
@@ -70,7 +69,9 @@ class Basis:
     def of(cls, others: tuple[int, ...], size: int) -> Basis:
         """For fields over other dimensions of these sizes and a moving one of `size` places."""
         parts = [_splines(one, ACROSS) for one in others]
-        across = reduce(np.kron, parts, np.ones((1, 1)))
+        across: Array = np.ones((1, 1))
+        for part in parts:
+            across = np.kron(across, part)
         along = _splines(size, ALONG)
         rough = [_roughness(part.shape[1]) for part in [*parts, along]]
         sizes = [len(one) for one in rough]
