@@ -71,7 +71,7 @@ class Basis:
         parts = [_splines(one, ACROSS) for one in others]
         across: Array = np.ones((1, 1))
         for part in parts:
-            across = np.kron(across, part)
+            across = np.asarray(np.kron(across, part), dtype=np.float64)
         along = _splines(size, ALONG)
         rough = [_roughness(part.shape[1]) for part in [*parts, along]]
         sizes = [len(one) for one in rough]
