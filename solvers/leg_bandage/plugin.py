@@ -8,18 +8,19 @@ boundary value problem, its checks and what it does not know. User units at this
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from surrogate.errors import SolverError, StudyError, nearest
 from surrogate.scene import Scene
-from surrogate.solver import Input
+from surrogate.solver import Input, Output
 
 from .algebra.direct import ENGINES
+from .bandage.fabric import Fabric
 from .bandage.products import (
     CURVED,
     NOMINAL,
@@ -39,6 +40,7 @@ from .equilibrium.model import (
     Ends,
     Material,
     Model,
+    Over,
     build,
     mesh_leg,
 )
@@ -47,7 +49,8 @@ from .geometry.bone import bone_envelope
 from .geometry.feasibility import check_leg
 from .geometry.landmarks import MEDIAL, RULES, Disc, b1_height
 from .geometry.leg import Leg
-from .outputs.answers import OUTPUTS, answers
+from .layers import read_layers
+from .outputs.answers import OUTPUTS, answers, outputs_of
 from .outputs.result import Result
 from .outputs.scene import leg_scene
 from .outputs.wear import Wear
@@ -63,11 +66,18 @@ from .parameters import (
 )
 from .skin_friction import SKINS, mu_of
 from .tissue.posture import POSTURES
-from .wrapping.lay import element_rows, lay
+from .wrapping.lay import Lay, element_rows, lay
 from .wrapping.spiral import Wrap, wrap_for
 
 WRINKLED = 0.05
 """Share of the warp stiffness left where the bandage is compressed: assumed."""
+
+
+class Further(NamedTuple):
+    """A bandage over the first: how it is put on, and its fabric."""
+
+    wrap: Wrap
+    fabric: Fabric
 
 
 class LegBandage:
@@ -87,12 +97,13 @@ class LegBandage:
     skin           "dry", "moist" or "moist_hairy": whose friction is the nominal one
     law            "power": input `exponent` in place of `tension_law`, so that the tension law
                    can be learnt from pressures
+    layers         several bandages over each other, with padding or without: see `layers`
     linear_solver  "auto", "superlu" or "pardiso"; no answer hangs on it
     folder         where `cohort` is looked for
     """
 
     version = "3"
-    outputs = OUTPUTS
+    outputs: Mapping[str, Output] = OUTPUTS
     constraints = CONSTRAINTS
 
     def __init__(
@@ -109,6 +120,7 @@ class LegBandage:
         relaxation: str | None = None,
         posture: str | None = None,
         skin: str | None = None,
+        layers: Sequence[Mapping[str, Any]] | None = None,
     ):
         for name, value, allowed in (
             ("mesh", mesh, MESHES),
@@ -125,7 +137,11 @@ class LegBandage:
                 raise StudyError(f"{name}: {value!r} is unknown: {nearest(value, allowed)}")
         self.mesh, self.b1_rule, self.solver = MESHES[mesh], b1_rule, linear_solver
         self.ends = Ends(free=end, leg=leg_ends)
-        chosen = None if fabric is None else _named(fabric)
+        if fabric is not None and layers is not None:
+            raise StudyError("fabric: layers name their products; leave one of the two out")
+        self.layers = None if layers is None else read_layers(layers)
+        first = fabric if self.layers is None else self.layers.bandages[0].name
+        chosen = None if first is None else _named(first)
         self.fabric, self.curve = (
             (NOMINAL, CURVED) if chosen is None else (chosen.fabric, chosen.curve)
         )
@@ -138,7 +154,10 @@ class LegBandage:
         if relaxation is not None:
             self.inputs["fluid_loss"] = FLUID_LOSS
         self.wear = Wear(relaxation, None if posture == "lying" else posture)
-        self.outputs = {**OUTPUTS, **self.wear.outputs}
+        if self.layers is not None:
+            self.inputs |= self.layers.inputs
+        bandages = 1 if self.layers is None else len(self.layers.bandages)
+        self.outputs = {**outputs_of(bandages), **self.wear.outputs}
         #: What answers hang on besides the inputs: runs with the same are the same runs.
         self.identity_options = {
             "mesh": mesh,
@@ -149,6 +168,7 @@ class LegBandage:
             "cohort": shapes.identity,
             **({} if law is None else {"law": law}),
             **self.wear.options,
+            **({} if self.layers is None else {"layers": self.layers.identity}),
         }
 
     def __call__(self, **inputs: float | str) -> dict[str, float | np.ndarray]:
@@ -179,7 +199,7 @@ class LegBandage:
         if stretch_free is not None:
             complete(self.inputs, {"stretch": stretch_free})
             wrap = replace(wrap, stretch_free=stretch_free)
-        model, u = self._solve(leg, wrap, self._material(q), q["wrapping"])
+        model, u = self._solve(leg, *self._put_on(leg, wrap, self._material(q), q))
         values = answers(leg, model, u, self.b1_rule, q["sensor_around"], q["sensor_up"])
         place = Disc(MEDIAL, b1_height(leg, self.b1_rule)).moved(
             leg, q["sensor_around"], q["sensor_up"]
@@ -199,19 +219,42 @@ class LegBandage:
         alphas = [q[f"alpha{i}"] for i in range(1, 5)]
         return Leg.from_alphas(q["leg_length"], alphas, self.basis)
 
+    def _put_on(
+        self, leg: Leg, wrap: Wrap, material: Material, q: Mapping[str, Any]
+    ) -> tuple[Wrap, Material, str, tuple[Further, ...]]:
+        """What `_solve` takes: the first bandage with its padding, and those over it."""
+        if self.layers is None:
+            return wrap, material, q["wrapping"], ()
+        padding = self.layers.padding(leg, q, material.fabric)
+        first, *wraps = self.layers.wraps(leg, wrap, q, padding)
+        fabrics = self.layers.fabrics(q, WRINKLED, q.get("tension_law") == "curved")
+        further = tuple(Further(*one) for one in zip(wraps, fabrics, strict=True))
+        return first, replace(material, padding=padding), q["wrapping"], further
+
     def _solve(
-        self, leg: Leg, wrap: Wrap, material: Material, wrapping: str
+        self,
+        leg: Leg,
+        wrap: Wrap,
+        material: Material,
+        wrapping: str,
+        further: tuple[Further, ...] = (),
     ) -> tuple[Model, np.ndarray]:
-        laid = lay(
-            leg.surface, wrap, element_rows(leg.surface, wrap, self.mesh.around), self.mesh.across
-        )
+        laid = self._lay(leg, wrap)
         mesh = mesh_leg(leg, bone_envelope(leg), self.mesh)
         if wrapping == "progressive":
             return wrap_and_solve(
                 mesh, laid, wrap, material=material, ends=self.ends, solver=self.solver
             )
-        model = build(mesh, laid, wrap, material, self.ends, self.solver)
+        over: list[Over] = []
+        for one in further:
+            below = [laid, *(sheet.lay for sheet in over)]
+            over.append(Over(self._lay(leg, one.wrap, below), one.wrap, one.fabric))
+        model = build(mesh, laid, wrap, material, self.ends, self.solver, over=over)
         return model, solve(model)
+
+    def _lay(self, leg: Leg, wrap: Wrap, below: Sequence[Lay] = ()) -> Lay:
+        rows = element_rows(leg.surface, wrap, self.mesh.around)
+        return lay(leg.surface, wrap, rows, self.mesh.across, below)
 
     def _curve(self, q: Mapping[str, Any]) -> Curve:
         """(stretch, tension over that at stretch 1.3); none: the secant."""

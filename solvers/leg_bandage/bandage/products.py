@@ -137,6 +137,24 @@ def _within_range(tension: float, place: str) -> Bandage:
     return Bandage(at_tension(tension), {"K1": ground, **ASSUMED})
 
 
+@dataclass(frozen=True)
+class Pad:
+    """Padding on the shelf: thickness without load (mm), P0 of van Wyk's law (kPa), and ground."""
+
+    thickness: float
+    stiffness: float
+    source: str
+
+
+PADS: Mapping[str, Pad] = {
+    "wool": Pad(
+        4.0,
+        0.3,
+        "assumed: two layers of a cotton or viscose wool, some 2 mm each without load, which "
+        "30 mmHg press to two fifths",
+    ),
+}
+
 BANDAGES: Mapping[str, Bandage] = {
     "biflex_16": _within_range(0.0785, "a quarter of the way through"),
     "biflex_17": _within_range(0.1175, "three quarters of the way through"),

@@ -17,18 +17,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .padding import Padding
+
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Parameters of contact: penalty MPa/mm, ramp mm, mu, elastic slip mm."""
+    """Parameters of contact: penalty MPa/mm, ramp mm, mu, elastic slip mm.
+
+    padding  carries the pressure in place of the penalty
+    """
 
     mu: float
     penalty: float = 0.15
     ramp: float = 0.1
     elastic_slip: float = 0.05
+    padding: Padding | None = None
 
     def pressure(self, gap, bonded):
         """Pressure and its slope dp/dg, MPa and MPa/mm, shape of `gap`."""
+        if self.padding is not None:
+            return self.padding.pressure(gap, np.broadcast_to(bonded, gap.shape))
         d = self.ramp
         inside = np.clip(d - gap, 0.0, 2 * d)
         p = self.penalty * np.where(gap < -d, -gap, inside**2 / (4 * d))

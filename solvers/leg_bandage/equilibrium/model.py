@@ -14,6 +14,7 @@ import numpy as np
 from ..bandage.fabric import Fabric
 from ..bandage.shell import Shell
 from ..contact.law import ContactLaw
+from ..contact.padding import Padding
 from ..contact.point_to_surface import Contact
 from ..geometry.leg import Leg
 from ..surfaces.skin import Skin
@@ -55,7 +56,7 @@ BELOW, ABOVE = 85.0, 25.0
 
 @dataclass(frozen=True)
 class Material:
-    """Everything that is not geometry: fabric, tissue (MPa), friction, numerical contact."""
+    """Everything that is not geometry: fabric, tissue (MPa), friction, contact, padding."""
 
     fabric: Fabric
     c10: float = 0.005
@@ -65,10 +66,19 @@ class Material:
     penalty: float = 0.15
     ramp: float = 0.1
     elastic_slip: float = 0.05
+    padding: Padding | None = None
 
-    def law(self, mu: float) -> ContactLaw:
-        """The contact law with a friction coefficient."""
-        return ContactLaw(mu, self.penalty, self.ramp, self.elastic_slip)
+    @property
+    def on_skin(self) -> ContactLaw:
+        """The law between skin and bandage."""
+        return ContactLaw(
+            self.mu_skin, self.penalty, self.ramp, self.elastic_slip, padding=self.padding
+        )
+
+    @property
+    def on_bandage(self) -> ContactLaw:
+        """The law between turns, of one bandage or of two."""
+        return ContactLaw(self.mu_bandage, self.penalty, self.ramp, self.elastic_slip)
 
 
 @dataclass(frozen=True)
@@ -232,8 +242,8 @@ def _wrapped(leg, strips, sheet, material, ends, X):
             Skin(leg.skin),
             skin_parameters(leg, laid.skin).reshape(-1, 2),
             _tied(laid, wrap, ends),
-            material.law(material.mu_skin),
-            material.law(material.mu_bandage),
+            material.on_skin,
+            material.on_bandage,
         ),
     )
 

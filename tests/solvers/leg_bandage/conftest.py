@@ -19,14 +19,14 @@ class Solutions:
     def __init__(self):
         self._solve, self._solved = LegBandage._solve, {}
 
-    def __call__(self, solver, leg, wrap, material, wrapping):
+    def __call__(self, solver, leg, wrap, material, wrapping, further=()):
         key = (
-            *(solver.mesh, solver.ends, solver.solver, wrap, material, wrapping),
+            *(solver.mesh, solver.ends, solver.solver, wrap, material, wrapping, further),
             *(leg.length, leg.coefficients.tobytes(), leg.centre.tobytes()),
             *(leg.below, leg.above, leg.trend),
         )
         if key not in self._solved:
-            model, u = self._solve(solver, leg, wrap, material, wrapping)
+            model, u = self._solve(solver, leg, wrap, material, wrapping, further)
             self._solved[key] = model, u, model.problem.state()
         model, u, state = self._solved[key]
         model.problem.restore(state)
