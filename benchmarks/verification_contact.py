@@ -1,7 +1,7 @@
 """The bandage's contact against exact answers: `python benchmarks/verification_contact.py`.
 
-Prints checks V2 to V9 (README.md of `solvers/leg_bandage`); a minute and a half. V1 and V10 are
-printed by `verification_material.py`, V12 by `convergence.py`, V13 by `smoothness.py`.
+Prints checks V2 to V9 and V16 (README.md of `solvers/leg_bandage`); a minute and a half. V1 and
+V10 are printed by `verification_material.py`, V12 by `convergence.py`, V13 by `smoothness.py`.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import numpy as np
 from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG
 from surrogate_solvers.leg_bandage.verification.bands import (
     band_on_cylinder,
+    band_on_padding,
     band_on_soft_tube,
     bands_on_soft_tube,
     capstan,
@@ -56,6 +57,11 @@ def numbers():
         yield f"V2 spiral of {layers} layers, mean over a turn, mmHg", exact, ours
     ours, exact = two_bandages_on_cylinder()
     yield "V2 two bandages that cross, mean over a turn, mmHg", exact, ours
+    for laid_under in (0.098 / 45, 4e-3, 5e-4):
+        found, exact = band_on_padding(laid_under)
+        case = f"V16 band over padding laid under {laid_under / MMHG:.1f} mmHg,"
+        yield f"{case} thickness mm", exact.thickness, found.thickness
+        yield f"{case} mmHg", exact.pressure, found.pressure
     for several in ((0.196667,) * 3, (0.196667, 0.456667)):
         exactly = banded_exactly([(K1, 47 / 1.3) for K1 in several], 0.005)
         for number, (exact, found) in enumerate(

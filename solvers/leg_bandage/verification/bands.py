@@ -11,10 +11,12 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ..bandage.fabric import Fabric
 from ..bandage.products import NOMINAL, at_tension
 from ..contact.law import ContactLaw
+from ..contact.padding import Padding
 from ..equilibrium.newton import Tolerances
 from ..outputs.pressure_map import MMHG
 from ..surfaces.rigid import Mandrel
@@ -91,6 +93,49 @@ def two_bandages_on_cylinder(per_turn: int = 28) -> tuple[float, float]:
     )
     exact = sum(_helix_pressure(tension, 2)[1] for tension in (0.098, 0.137))
     return _mean_over_a_turn(problem, problem.slide_to_rest(), wrap, per_turn), exact
+
+
+class OnPadding(NamedTuple):
+    """A band over padding: thickness of the padding (mm), stretch, pressure on the body (mmHg)."""
+
+    thickness: float
+    stretch: float
+    pressure: float
+
+
+def band_on_padding(
+    laid_under: float, loose: float = 4.0, stiffness: float = 3e-4
+) -> tuple[OnPadding, OnPadding]:
+    """V16: a band of 0.098 N/mm over padding on a rigid cylinder r = 45 mm: ours, exact.
+
+    laid_under  pressure at which the padding has the thickness over which the band is laid, MPa.
+
+    Exact: T / (r + h) = P0 ((h0 / h)^3 - 1), T = K1 (1.3 (r + h) / (r + h laid) - 1). The body
+    feels T / r.
+    """
+    r, width, tension = 45.0, 20.0, 0.098
+    padding = Padding.laid_under(laid_under, loose, stiffness)
+    wrap = replace(ring_wrap(width), above=padding.laid)
+    ring = wrap_mandrel(
+        Mandrel(r, r), wrap, limp(tension), ContactLaw(0.0, padding=padding), 48, 4, ring=True
+    )
+    u = ring.slide_to_rest()
+    middle = np.column_stack([np.arange(48) + 0.5, np.full(48, 2.0)])
+    field = ring.shell.at(u, middle)
+    radius = np.linalg.norm(field.point[:, :2], axis=1).mean()
+    pressure = ring.carried(u) / (2 * np.pi * r * width) / MMHG
+    found = OnPadding(float(radius - r), float(field.warp_stretch.mean()), float(pressure))
+
+    def stretch(h):
+        return 1.3 * (r + h) / (r + padding.laid)
+
+    def off(h):
+        carried = stiffness * ((loose / h) ** 3 - 1)
+        return tension / 0.3 * (stretch(h) - 1) / (r + h) - carried
+
+    h = brentq(off, 0.1, loose)
+    exact = OnPadding(h, stretch(h), tension / 0.3 * (stretch(h) - 1) / r / MMHG)
+    return found, exact
 
 
 def _spiral(layers: int) -> Wrap:

@@ -191,6 +191,68 @@ def test_a_cohort_of_ones_own(tmp_path):
         shapes_in("two.npz", tmp_path)
 
 
+TWO = [{"product": "biflex_16"}, {"product": "biflex_17", "direction": "reversed"}]
+
+
+def test_layers_bring_their_inputs():
+    """The first bandage's are those without a number; padding brings thickness and stiffness."""
+    solver = LegBandage(layers=[{"product": "wool"}, {**TWO[0], "overlap": 0.6}, TWO[1]])
+    check_solver(solver, runs=0)
+    nominal = {name: one.nominal for name, one in solver.inputs.items()}
+    assert nominal["tension"] == pytest.approx(0.0785) and nominal["overlap"] == 0.6
+    assert nominal["tension_2"] == pytest.approx(0.1175) and nominal["overlap_2"] == 0.5
+    assert nominal["padding_thickness"] == 4.0
+    assert solver.inputs["wrapping"].levels == ("prescribed",)
+    assert "stretch_midline_2" in solver.outputs
+    assert "stretch_2" not in LegBandage(layers=TWO[:1]).inputs
+    assert "stretch_midline_2" not in LegBandage.outputs
+
+
+@pytest.mark.parametrize(
+    "layers, words",
+    [
+        ([], r"\[\] is no list of layers"),
+        ([{"product": "wool"}], "0 bandages; 1 to 4 are taken"),
+        ([{"product": "biflex_61"}], "biflex_16"),
+        ([TWO[0], {"product": "wool"}], "layers.1.: wool is padding, .*: it is layer 0"),
+        ([{**TWO[0], "direction": "back"}], "direction 'back': .*onward, reversed"),
+        ([{**TWO[0], "strech": 1.2}], "'strech' is unknown: did you mean 'stretch'"),
+        ([{**TWO[0], "stretch": 13}], "stretch 13 is no number between 1.05 and 1.6"),
+    ],
+)
+def test_wrong_layers(layers, words):
+    """The value, what is allowed, and which layer."""
+    with pytest.raises(StudyError, match=words):
+        LegBandage(layers=layers)
+
+
+def test_layers_name_their_products():
+    """A fabric beside them would be a second first bandage."""
+    with pytest.raises(StudyError, match="leave one of the two out"):
+        LegBandage(fabric="biflex_16", layers=TWO)
+
+
+def test_one_layer_is_the_bandage_alone(rough):
+    """The first of several is that of the inputs."""
+    alone = LegBandage(mesh="rough", fabric="biflex_16")()["pressure_field"]
+    layered = LegBandage(mesh="rough", layers=TWO[:1])()["pressure_field"]
+    assert np.array_equal(layered, alone)
+
+
+@pytest.mark.slow
+def test_a_second_bandage_adds_its_pressure(result):
+    """At B1 two bandages press with the sum of both, less what the first loses beneath the second.
+
+    The first gives 25.1 mmHg at 0.0785 N/mm; pressure is proportional to the tension.
+    """
+    solver = LegBandage(mesh="coarse", layers=TWO)
+    found = solver()
+    alone = result.values["pressure_b1"] * (0.0785 + 0.1175) / 0.098
+    assert found["pressure_b1"] == pytest.approx(alone, rel=0.04)
+    assert found["layers_b1"] == pytest.approx(4, abs=0.1)
+    assert found["stretch_midline"] < LegBandage(mesh="coarse", layers=TWO[:1])()["stretch_midline"]
+
+
 def _key(inputs=None, **options):
     spec = SolverSpec("leg_bandage", LegBandage, options)
     return keys(spec, calls_of(spec, {"mu_skin": [0.2]}, inputs))[0]
@@ -221,6 +283,9 @@ def test_identity_of_runs(tmp_path):
         _key({"start_height": 0.0}),
         _key(fabric="biflex_16"),
         _key(law="power"),
+        _key(layers=TWO),
+        _key(layers=[TWO[0], {"product": "biflex_17"}]),
+        _key({"overlap_2": 0.6}, layers=TWO),
     ]
     assert len({*same, *others}) == 1 + len(others)
     tension = LegBandage(fabric="biflex_16").inputs["tension"].nominal

@@ -10,6 +10,7 @@ import pytest
 from surrogate_solvers.leg_bandage.outputs.pressure_map import MMHG
 from surrogate_solvers.leg_bandage.verification.bands import (
     band_on_cylinder,
+    band_on_padding,
     band_on_soft_tube,
     bands_on_soft_tube,
     capstan,
@@ -68,6 +69,7 @@ def test_spiral_with_more_overlap(layers, mmhg):
     assert spiral_on_cylinder(per_turn=28, layers=layers) == pytest.approx(exact, rel=9e-3)
 
 
+@pytest.mark.slow
 def test_two_bandages_on_rigid_cylinder():
     """V2: two bandages that cross press with the sum of n T cos^2(beta) / r, 77.1 mmHg.
 
@@ -76,6 +78,20 @@ def test_two_bandages_on_rigid_cylinder():
     found, exact = two_bandages_on_cylinder()
     assert exact == pytest.approx(77.14, abs=0.01)
     assert found == pytest.approx(exact, rel=1.5e-2)
+
+
+@pytest.mark.parametrize("laid_under, mmhg", [(0.098 / 45, 16.371), (4e-3, 16.849), (5e-4, 15.102)])
+def test_band_over_padding(laid_under, mmhg):
+    """V16: a band, van Wyk's padding and Laplace's law balance in one equation.
+
+    Laid over the thickness that Laplace's law leaves of the padding, over less and over more:
+    the less the padding still gives way, the more stretch the band keeps.
+    """
+    found, exact = band_on_padding(laid_under)
+    assert exact.pressure == pytest.approx(mmhg, abs=0.001)
+    assert found.thickness == pytest.approx(exact.thickness, abs=0.015)
+    assert found.stretch == pytest.approx(exact.stretch, rel=1e-3)
+    assert found.pressure == pytest.approx(exact.pressure, rel=1e-3)
 
 
 @pytest.mark.parametrize(
