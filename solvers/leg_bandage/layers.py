@@ -18,7 +18,7 @@ from surrogate.errors import StudyError, nearest
 from surrogate.solver import Input
 
 from .bandage.fabric import Fabric
-from .bandage.products import BANDAGES, PADS, Bandage, Curve, Pad, at_tension
+from .bandage.products import BANDAGES, INELASTIC, PADS, Bandage, Curve, Pad, at_tension
 from .contact.padding import Padding
 from .geometry.leg import Leg
 from .parameters import INPUTS
@@ -28,6 +28,7 @@ DIRECTIONS = ("onward", "reversed")
 """Round the leg with theta rising, as without the option, or falling."""
 OF_EACH = ("tension", "stretch", "overlap", "start_height")
 """Inputs that every bandage has."""
+PRODUCTS = {**BANDAGES, **INELASTIC}
 MOST = 4
 """Bandages over each other that are taken: as many as kits have."""
 
@@ -107,7 +108,7 @@ class Layers:
         """Fabrics of the second bandage and those after it."""
         found = []
         for number, layer in enumerate(self.bandages[1:], start=2):
-            curve: Curve = layer.product.curve if curved else ()
+            curve: Curve = layer.product.curve if curved or layer.product.curved else ()
             fabric = replace(layer.product.fabric, wrinkled=wrinkled, curve=curve)
             found.append(at_tension(q[f"tension_{number}"], fabric))
         return found
@@ -124,7 +125,7 @@ def read_layers(layers: Sequence[Mapping[str, Any]]) -> Layers:
     bandages = tuple(
         Layer(
             layer["product"],
-            BANDAGES[layer["product"]],
+            PRODUCTS[layer["product"]],
             layer.get("direction", DIRECTIONS[0]),
             {name: float(layer[name]) for name in OF_EACH if name in layer},
         )
@@ -143,8 +144,8 @@ def _mistakes(number: int, layer: Any) -> list[str]:
     wrong = [f"{where}: {name!r} is unknown: {nearest(name, keys)}" for name in layer
              if name not in keys]  # fmt: skip
     product, direction = layer.get("product"), layer.get("direction", DIRECTIONS[0])
-    if product not in (*BANDAGES, *PADS):
-        wrong.append(f"{where}: product {product!r}: {nearest(str(product), (*BANDAGES, *PADS))}")
+    if product not in (*PRODUCTS, *PADS):
+        wrong.append(f"{where}: product {product!r}: {nearest(str(product), (*PRODUCTS, *PADS))}")
     if product in PADS and number:
         wrong.append(f"{where}: {product} is padding, which lies on the skin: it is layer 0")
     if product in PADS and len(layer) > 1:
