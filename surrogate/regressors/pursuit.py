@@ -79,6 +79,7 @@ def _errors_on_folds(matrix: Array, y: Array, folds: NDArray[np.intp]) -> list[f
     basis = np.zeros((len(fitted), steps, len(y)))
     left = (1.0 - fitted) * y
     errors: list[float] = []
+    smallest, count = np.inf, 1
     for k in range(steps):
         columns = strongest(squares, along, floor) if k else np.zeros(len(fitted), dtype=np.intp)
         some = columns >= 0
@@ -88,7 +89,7 @@ def _errors_on_folds(matrix: Array, y: Array, folds: NDArray[np.intp]) -> list[f
         for _ in range(2):
             parts = basis[:, :k] @ (fitted * direction)[:, :, None]
             direction -= (parts.transpose(0, 2, 1) @ basis[:, :k])[:, 0]
-        size = np.linalg.norm(fitted * direction, axis=1)
+        size = np.sqrt(((fitted * direction) ** 2).sum(axis=1))
         basis[:, k] = direction / np.where(some, size, 1.0)[:, None]
         inside = fitted * basis[:, k]
         shadow, height = inside @ matrix, inside @ y
@@ -96,6 +97,8 @@ def _errors_on_folds(matrix: Array, y: Array, folds: NDArray[np.intp]) -> list[f
         squares[np.arange(len(fitted)), columns] = 0.0
         left -= height[:, None] * (basis[:, k] - inside)
         errors.append(float((left**2).sum()))
-        if len(errors) >= BEYOND * (int(np.argmin(errors)) + 1) + MORE:
+        if errors[k] < smallest:
+            smallest, count = errors[k], k + 1
+        if k + 1 >= BEYOND * count + MORE:
             break
     return errors
