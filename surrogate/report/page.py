@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from functools import cache
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -76,14 +77,7 @@ def rendered(
 
     made: from what, under the title. pointed: run number -> what its marks tell.
     """
-    environment = Environment(
-        loader=_LOADER,
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["parted"] = _parted
+    environment = _environment()
     return Page(
         environment.get_template("page.html").render(
             name=title,
@@ -95,6 +89,20 @@ def rendered(
             runs=script_json(pointed or {}),
         )
     )
+
+
+@cache
+def _environment() -> Environment:
+    """Where the template lies; read and compiled once."""
+    environment = Environment(
+        loader=_LOADER,
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["parted"] = _parted
+    return environment
 
 
 def _sections(content: Content) -> Iterator[Section]:
