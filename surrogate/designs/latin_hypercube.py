@@ -13,19 +13,28 @@ from surrogate.designs.design import searching
 from surrogate.designs.maximin import LARGEST, maximin
 from surrogate.designs.requirements import affordable, choice, number, whole
 from surrogate.designs.scattered import scattered
+from surrogate.designs.sliced import sliced_ranks, slicing
 from surrogate.space.space import Space
 
 CRITERIA = ("maximin", "random")
 
 
 def checked(
-    space: Space, *, runs: int, criterion: str = "maximin", effort: float = 1.0, **_: object
+    space: Space,
+    *,
+    runs: int,
+    criterion: str = "maximin",
+    effort: float = 1.0,
+    slices: str | None = None,
+    **_: object,
 ) -> int:
     """Number of points that these options of `latin_hypercube` give; raises `DesignError`."""
     runs = whole("runs", runs, 1)
     affordable(runs * space.size, "latin_hypercube", "lower runs, or use sobol")
     number("effort", effort, 0.01, 1e6)
     choice("criterion", criterion, CRITERIA)
+    if slices is not None:
+        slicing(space, slices, runs)
     return runs
 
 
@@ -36,6 +45,7 @@ def latin_hypercube(
     runs: int,
     criterion: str = "maximin",
     effort: float = 1.0,
+    slices: str | None = None,
     seed: int | None = None,
 ) -> NDArray[np.float64]:
     """`runs` points, coded (run, parameter), by the law of each parameter.
@@ -44,13 +54,17 @@ def latin_hypercube(
                runs in random order); random: anywhere in the slices, in random order
     effort     how many times the usual number of exchanges maximin tries: 10 takes ten times
                as long and brings the points some per cent further apart
+    slices     a parameter with levels: the points at each of them are a Latin hypercube of the
+               other parameters too (sliced; Qian 2012), so that a model of each level is good
     Integers and listed values take what lies in the slices; maximin keeps the points apart as
     they are taken. Constraints leave no slices: maximin then spreads the points over what is
     left of the box, and random draws them from it. Correlated parameters keep their slices and
     take the rank correlation of the space.
     """
-    runs = checked(space, runs=runs, criterion=criterion, effort=effort)
+    runs = checked(space, runs=runs, criterion=criterion, effort=effort, slices=slices)
     rng = np.random.default_rng(seed)
+    if slices is not None:
+        return _sliced(space, slices, runs, criterion, effort, rng)
     if space.region is not None:
         return (
             scattered(space, runs, rng, effort)
@@ -66,6 +80,25 @@ def latin_hypercube(
         ranks = _correlated(space, (ranks + within) / runs, ranks)
     u = (ranks + within) / runs
     return np.column_stack([p.quantile(u[:, j]) for j, p in enumerate(space.parameters)])
+
+
+def _sliced(
+    space: Space,
+    name: str,
+    runs: int,
+    criterion: str,
+    effort: float,
+    rng: np.random.Generator,
+) -> NDArray[np.float64]:
+    """Coded points (run, parameter), the levels of the sliced parameter one after another."""
+    own, levels = slicing(space, name, runs), space[name].coded_levels
+    tried = effort if criterion == "maximin" else 0.0
+    ranks = sliced_ranks(len(levels), runs // len(levels), space.size - 1, rng, tried)
+    within = np.full(ranks.shape, 0.5) if tried else rng.random(ranks.shape)
+    u = np.insert((ranks + within) / runs, own, 0.5, axis=1)
+    coded = np.column_stack([p.quantile(u[:, j]) for j, p in enumerate(space.parameters)])
+    coded[:, own] = np.repeat(levels, runs // len(levels))
+    return coded
 
 
 def _apart(
