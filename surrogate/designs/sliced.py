@@ -1,10 +1,11 @@
 """Sliced Latin hypercubes: one as a whole, and one in each level of a categorical parameter.
 
-Of n = m t points each of t slices has m. In every column the n ranks fall into m groups of t neighbours, and each slice takes one rank of
-each group: so a slice has one point in each of m equal parts of a parameter's law, and the whole
-one in each of n (Qian 2012, doi 10.1080/01621459.2011.644132). Points are moved apart by exchanges
-that keep this: two ranks of one slice, or two neighbours of two slices (Ba, Myers and Brenneman
-2015, Technometrics 57, 479). With d^2 a squared distance of ranks in k columns the criterion is
+Of n = m t points each of t slices has m. In every column the n ranks fall into m groups of t
+neighbours, and each slice takes one rank of each group: so a slice has one point in each of m equal
+parts of a parameter's law, and the whole one in each of n (Qian 2012, doi
+10.1080/01621459.2011.644132). Points are moved apart by exchanges that keep this: two ranks of one
+slice, or two neighbours of two slices (Ba, Myers and Brenneman 2015, Technometrics 57, 479). With
+d^2 a squared distance of ranks in k columns the criterion is
 
     sum over pairs (d^2)^-16  +  sum over pairs in one slice (d^2 t^(-2 / k))^-16,
 
