@@ -19,6 +19,10 @@ from .equilibrium.model import MESHES
 from .prediction import BandageChoiceError
 from .scan import FittedScan, ScanError, fit_scan
 from .scan.marks import DIRECTIONS
+from .skin_friction import SKINS
+
+WORN = ("at B1 as worn", "mmHg", "95 % interval", "of which, mmHg")
+"""Headings of the table of pressures standing and after hours."""
 
 Side = Annotated[
     str,
@@ -68,6 +72,10 @@ Tension = Annotated[
 MuSkin = Annotated[
     float | None,
     typer.Option(help="Friction on the skin; default: 0.2, and the interval holds 0.1 to 0.3."),
+]
+Skin = Annotated[
+    str | None,
+    typer.Option(help=f"In place of a friction: {', '.join(SKINS)}."),
 ]
 KnownHand = Annotated[
     bool,

@@ -12,6 +12,7 @@ from rich.console import Console
 from surrogate.errors import SolverError
 
 from .options import (
+    WORN,
     AsJson,
     BandageName,
     Ends,
@@ -25,6 +26,7 @@ from .options import (
     Scan,
     ScanOptions,
     Side,
+    Skin,
     StudyFile,
     Tension,
     Unit,
@@ -34,10 +36,19 @@ from .options import (
     table,
     two_pressures,
 )
-from .prediction import PUBLISHED, BandageChoiceError, Reduced, choose_bandage, predict_pressure
+from .prediction import (
+    PUBLISHED,
+    BandageChoiceError,
+    Reduced,
+    choose_bandage,
+    predict_pressure,
+    summary,
+)
 from .prediction.compression_class import BS, RAL, STANDARDS
 from .prediction.plan import Plan, check_plan, plan_wrapping, stretch_of_ends
 from .prediction.pressure import Prediction, Solved, solved_or_why
+from .prediction.worn import hoop_on
+from .prediction.worn_pressure import WornPressure, worn_pressures
 
 
 def plan_verb(
@@ -57,6 +68,7 @@ def plan_verb(
         typer.Option(metavar="MMHG:MMHG", help="To be kept in place of a class."),
     ] = None,
     mu_skin: MuSkin = None,
+    skin: Skin = None,
     known_hand: KnownHand = False,
     gradient: Gradient = "40:17",
     solve: Annotated[
@@ -82,7 +94,7 @@ def plan_verb(
         raise BandageChoiceError("--graduated is for --solve; add --solve")
     solved_on = mesh_to_solve(mesh, solve)
     hand = None if known_hand else PUBLISHED
-    choice = choose_bandage(bandage, tension, mu_skin=mu_skin, hand=hand)
+    choice = choose_bandage(bandage, tension, mu_skin=mu_skin, hand=hand, skin=skin)
     kept = None if within is None else two_pressures("--within", within)
     asked, down = _standard(standard), two_pressures("--gradient", gradient)
     check_plan(target, kept, overlap)
@@ -97,6 +109,14 @@ def plan_verb(
         _show(told, plan, solved, Console())
     if unsolved:
         raise SolverError(f"the finite element model has no answer for this plan: {unsolved}")
+
+
+def worn_in(told: Prediction, plan: Plan) -> tuple[WornPressure, ...]:
+    """The pressure of the plan standing, and lying after four hours."""
+    best, hoop = plan.best, told.hoop()
+    if hoop is not None:
+        hoop = hoop_on(told.scan.scanned, hoop.height, best.stretch)
+    return worn_pressures((best.median, best.low, best.high), hoop)
 
 
 def _standard(name: str) -> str:
@@ -141,6 +161,7 @@ def plan_figures(
         "layers": plan.best.layers,
         "probability": plan.best.probability,
         "pressure": {"median": plan.best.median, "low": plan.best.low, "high": plan.best.high},
+        "worn": [asdict(one) for one in worn_in(told, plan)],
         "alternatives": [asdict(one) for one in plan.others],
         "graduated": {
             "points": [asdict(one) for one in plan.along],
@@ -175,6 +196,11 @@ def _show(told: Prediction, plan: Plan, solved: Solved | None, console: Console)
         f"It is then in {name}, with probability {best.probability:.2f}; 95 % of the draws "
         f"over friction, hand and leg: {best.low:.1f} .. {best.high:.1f} mmHg.\n",
     )
+    worn = worn_in(told, plan)
+    console.print(table(WORN, summary.worn_rows(worn)))
+    for words in summary.worn_words(worn):
+        say(console, f"- {words}")
+    say(console, "")
     some = plan.others[:: max(len(plan.others) // 4, 1)]
     rows = [(f"{one.overlap:.2f}", f"{one.stretch:.2f}", f"{one.probability:.2f}") for one in some]
     console.print(table(("overlap", "stretch", "probability"), rows))

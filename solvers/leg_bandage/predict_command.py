@@ -12,6 +12,7 @@ import typer
 from rich.console import Console
 
 from .options import (
+    WORN,
     AsJson,
     BandageName,
     Ends,
@@ -25,6 +26,7 @@ from .options import (
     MuSkin,
     ScanOptions,
     Side,
+    Skin,
     StudyFile,
     Tension,
     Unit,
@@ -52,6 +54,7 @@ def predict_verb(
     tension: Tension = None,
     stretch: Annotated[float, typer.Option(help="As laid: length over rest length.")] = 1.3,
     mu_skin: MuSkin = None,
+    skin: Skin = None,
     known_hand: KnownHand = False,
     gradient: Gradient = "40:17",
     solve: Annotated[
@@ -78,7 +81,8 @@ def predict_verb(
 ) -> None:
     """Predict the pressure under a bandage on the leg of a scan, with its interval."""
     reachable(html)
-    choice = choose_bandage(bandage, tension, stretch, mu_skin, None if known_hand else PUBLISHED)
+    hand = None if known_hand else PUBLISHED
+    choice = choose_bandage(bandage, tension, stretch, mu_skin, hand, skin)
     target = two_pressures("--gradient", gradient)
     solved_on = mesh_to_solve(mesh, solve)
     said = ScanOptions(side, unit, up, front, landmark, length, ends)
@@ -138,6 +142,11 @@ def _show(told: Prediction, console: Console) -> None:
     console.print(table(("pressure at B1", "mmHg", "95 % interval", "on"), summary.answers(told)))
     say(console, "")
     console.print(table(("interval", "mmHg", "is"), summary.parts(told)))
+    say(console, "")
+    worn = told.worn()
+    console.print(table(WORN, summary.worn_rows(worn)))
+    for words in summary.worn_words(worn):
+        say(console, f"- {words}")
     say(console, "")
     headings = ("point", "height, mm", "mmHg", "95 % interval", "target", "class of stockings")
     console.print(table(headings, point_rows(told)))

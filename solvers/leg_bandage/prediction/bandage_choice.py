@@ -10,6 +10,7 @@ from surrogate.errors import SurrogateError, nearest
 
 from ..bandage.products import BANDAGES, STRETCH, bandage
 from ..parameters import INPUTS
+from ..skin_friction import SKINS
 from .hand import PUBLISHED, Hand
 
 MU_SKIN = 0.2
@@ -58,10 +59,12 @@ def choose_bandage(
     stretch: float = STRETCH,
     mu_skin: float | None = None,
     hand: Hand | None = PUBLISHED,
+    skin: str | None = None,
 ) -> BandageChoice:
     """A named bandage, or one of this tension at stretch 1.3; raises BandageChoiceError.
 
-    mu_skin: None for unknown, 0.2 with a range of 0.1 to 0.3. hand: scatter of stretch and
+    mu_skin: None for unknown, 0.2 with a range of 0.1 to 0.3; skin: a named one in its place,
+    as far as the range goes, above which a bandage holds. hand: scatter of stretch and
     overlap; None where both were measured on the bandage as laid.
     """
     if bandage is not None and tension is None:
@@ -75,6 +78,10 @@ def choose_bandage(
         )
     _check("tension", found, "it is in N/mm, at stretch 1.3: 98 N/m are 0.098 N/mm")
     _check("stretch", stretch, "it is length over rest length: 30 % of extension are 1.3")
+    if skin is not None:
+        mu_skin, mu_range = _of_skin(skin, mu_skin)
+    else:
+        mu_range = MU_RANGE if mu_skin is None else None
     if mu_skin is not None:
         _check("mu_skin", mu_skin, "skin under a bandage has 0.1 to 0.3")
     return BandageChoice(
@@ -82,9 +89,20 @@ def choose_bandage(
         float(found),
         float(stretch),
         MU_SKIN if mu_skin is None else mu_skin,
-        MU_RANGE if mu_skin is None else None,
+        mu_range,
         hand,
     )
+
+
+def _of_skin(skin: str, mu_skin: float | None) -> tuple[float, tuple[float, float] | None]:
+    """Friction of a named skin and its range, both no further than `MU_RANGE`."""
+    if mu_skin is not None:
+        raise BandageChoiceError(f"give either --mu-skin {mu_skin:g} or --skin {skin}")
+    if skin not in SKINS:
+        raise BandageChoiceError(f"skin {skin!r} is unknown; {nearest(skin, SKINS)}")
+    one, most = SKINS[skin], MU_RANGE[1]
+    low, high = min(one.low, most), min(one.high, most)
+    return min(one.nominal, most), (low, high) if low < high else None
 
 
 def _tension_of(name: str) -> float:

@@ -35,6 +35,8 @@ def person_page(told: Prediction) -> str:
         choice=summary.choice_words(told),
         answers=summary.answers(told),
         parts=summary.parts(told),
+        worn=summary.worn_rows(told.worn()),
+        worn_words=summary.worn_words(told.worn()),
         points=summary_points.point_rows(told),
         gradient=summary_points.gradient_words(told),
         along=Markup(along_drawn(told)),

@@ -27,6 +27,8 @@ from .pose import other_shapes, pose_parts
 from .reduced import Reduced
 from .shape import RuleAtB1, Shape, b1_by_rules
 from .shape_correction import by_laplace_if_it_can, by_tape, shape_law
+from .worn import Hoop, hoop_on
+from .worn_pressure import WornPressure, worn_pressures
 
 
 @dataclass(frozen=True)
@@ -109,6 +111,17 @@ class Prediction:
     def rules(self) -> dict[str, RuleAtB1]:
         """B1 by each rule on the leg of the shape modes, and the pressure there."""
         return b1_by_rules(Shape.of(self.scan), self.reduced, self.choice)
+
+    def hoop(self) -> Hoop | None:
+        """The bandage at B1 of the scan's own sections as a hoop; None without B1."""
+        place = Shape.of(self.scan).places().get("B1")
+        if place is None:
+            return None
+        return hoop_on(self.scan.scanned, place.height, self.choice.stretch)
+
+    def worn(self) -> tuple[WornPressure, ...]:
+        """The pressure at B1 standing, and lying after four hours; nothing without B1."""
+        return worn_pressures((self.value, self.low, self.high), self.hoop())
 
     def curve(self) -> Curve:
         """Mean and range around the leg, along it: of `skin`."""

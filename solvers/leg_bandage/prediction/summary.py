@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -10,6 +11,7 @@ from ..scan.summary import figures as scan_figures
 from .interval import CONFIDENCE
 from .pressure import Prediction
 from .summary_points import point_figures
+from .worn_pressure import WornPressure
 
 Row = tuple[str, str, str, str]
 OWN, MODES = "scan's own sections", "leg of the shape modes"
@@ -41,6 +43,7 @@ def figures(told: Prediction) -> dict[str, Any]:
             "rmse": fit.rmse,
             "inputs": dict(told.inputs),
         },
+        "worn": [asdict(one) for one in told.worn()],
         **point_figures(told),
         "extrapolates": told.extrapolates,
         "outside": {
@@ -93,6 +96,26 @@ def _mmhg(value: float | None) -> str:
 def parts(told: Prediction) -> list[tuple[str, str, str]]:
     """Part of the interval, mmHg either way, what it is."""
     return [(part.name, f"{part.low:+.1f} / {part.high:+.1f}", part.meaning) for part in told.parts]
+
+
+def worn_rows(worn: Sequence[WornPressure]) -> list[Row]:
+    """Posture and time, mmHg, 95 % interval, and how far each part reaches."""
+    return [
+        (
+            one.name,
+            f"{one.value:.1f}",
+            f"{one.low:.1f} .. {one.high:.1f}",
+            "; ".join(f"{part.name} {part.low:+.1f} / {part.high:+.1f}" for part in one.parts),
+        )
+        for one in worn
+    ]
+
+
+def worn_words(worn: Sequence[WornPressure]) -> list[str]:
+    """What the parts are, each once."""
+    return list(
+        {part.name: f"{part.name}: {part.meaning}" for one in worn for part in one.parts}.values()
+    )
 
 
 def coordinate_rows(told: Prediction) -> list[Row]:
