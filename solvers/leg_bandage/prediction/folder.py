@@ -11,10 +11,12 @@ from ..scan import FittedScan, ScanError
 from .points import POINTS
 from .pressure import Prediction
 
+WORN = ("standing", "lying_4h")
 COLUMNS = (
     *("file", "status", "side", "front", "length", "rms", "widening", "extrapolates"),
     *("pressure_b1", "low", "high"),
     *(f"{name}{end}" for name in POINTS if name != "B1" for end in ("", "_low", "_high")),
+    *(f"{name}{end}" for name in WORN for end in ("", "_low", "_high")),
     "message",
 )
 
@@ -53,6 +55,9 @@ def _row(path: Path, told: Prediction) -> dict[str, Any]:
         if point.name != "B1":
             ends = (("", point.value), ("_low", point.low), ("_high", point.high))
             row |= {f"{point.name}{end}": round(value, 3) for end, value in ends}
+    for name, one in zip(WORN, told.worn(), strict=False):  # none without B1
+        row |= {name: round(one.value, 3), f"{name}_low": round(one.low, 3)}
+        row |= {f"{name}_high": round(one.high, 3)}
     return row
 
 
