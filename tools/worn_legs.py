@@ -24,10 +24,7 @@ CASES: tuple[tuple[str, str, float], ...] = (
     ("thin", "biflex_16", 0.05),
     ("thick", "biflex_17", 0.05),
     ("3", "biflex_17", 0.0),
-    ("conical", "biflex_16", 0.0),
     ("17", "biflex_16", 0.05),
-    ("24", "biflex_17", 0.05),
-    ("31", "biflex_16", 0.0),
 )
 """Leg (a name of `verification.legs`, or a validation leg's number), bandage, fluid loss."""
 

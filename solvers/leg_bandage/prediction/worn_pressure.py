@@ -81,7 +81,7 @@ def _hoop_part(size: float) -> Part:
         "hoop",
         -size,
         size,
-        "what the hoop missed at most on legs solved by finite elements (`tools/worn_legs.py`)",
+        "what the hoop missed at most on legs solved by finite elements (tools/worn_legs.py)",
     )
 
 
