@@ -248,6 +248,14 @@ def _with_results(content: Content, surrogates, outputs, sensitivity, refused) -
     )
 
 
+def with_fewer_runs(content: Content, runs: int) -> Content:
+    """The same with its linear surrogate of `pressure_b1` fitted to its first runs only."""
+    fit = content.fits["linear"]["pressure_b1"]
+    names = {"surrogate": "linear", "output": "pressure_b1"}
+    fewer = fitting.fit(content.space, fit.coded[:runs], fit.values[:runs], Linear(), **names)
+    return replace(content, fits={**content.fits, "linear": {"pressure_b1": fewer}})
+
+
 def table_of_beams() -> str:
     """A CSV of 25 measured beams with dates, an empty answer and two materials; no noise."""
     rows = ["run,load [N],length (m),material,deflection,measured"]

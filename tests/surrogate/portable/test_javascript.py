@@ -7,56 +7,19 @@ from pathlib import Path
 import node
 import numpy as np
 import pytest
+from exported import KINDS, SPACE, spread_out, truth
 from scipy import special, stats
 
 from surrogate.fitting.fit import fit
 from surrogate.portable.packing import Packer
-from surrogate.regressors.chaos import PolynomialChaos
-from surrogate.regressors.gaussian_process import GaussianProcess
-from surrogate.regressors.polynomial import Interactions, Linear, Quadratic
-from surrogate.regressors.selection import Lasso, Stepwise
-from surrogate.space.discrete import integers, listed
-from surrogate.space.distributions import distribution, uniform
+from surrogate.regressors.polynomial import Linear
+from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
 
 pytestmark = node.needed
 SUPPORT = Path(__file__).parents[2] / "support"
 #: Largest difference to Python, as a share of the output's spread.
 EQUAL = 1e-9
-
-SPACE = Space(
-    (
-        Parameter("tension", uniform(0.05, 0.14), unit="N/mm"),
-        Parameter("cloth", levels=("p", "q", "r")),
-        Parameter("c10", distribution("normal", mean=5, std=1), unit="kPa"),
-        Parameter("t", distribution("lognormal", mean=2, std=0.4)),
-        Parameter("teeth", integers((3, 12))),
-        Parameter("pipe", listed([10.0, 16.0])),
-    )
-)
-KINDS = {
-    "linear": Linear(),
-    "interactions": Interactions(),
-    "quadratic": Quadratic(),
-    "stepwise": Stepwise(),
-    "lasso": Lasso(),
-    "chaos": PolynomialChaos(max_degree=4),
-    "gp": GaussianProcess(),
-    "gp_linear": GaussianProcess(trend="linear"),
-    "gp_interpolating": GaussianProcess(nugget=1e-8),
-}
-
-
-def truth(x):
-    """Smooth in the numbers, another slope for each cloth."""
-    cloth = np.where(x[:, 1] == 0, 3.0, x[:, 1])
-    return 40 + 5 * x[:, 0] + cloth * x[:, 2] + np.sin(2 * x[:, 3]) * x[:, 4] + x[:, 5] * x[:, 0]
-
-
-def spread_out(x):
-    """A field over 3 x 4 places."""
-    waves = np.cos(np.arange(12.0).reshape(3, 4))
-    return truth(x)[:, None, None] * waves + x[:, :1, None] ** 2 * waves**2
 
 
 def answers(fits_and_places, points):

@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 
 import numpy as np
+from made_up import with_fewer_runs
 from reader import read
 
 from surrogate import report
@@ -43,21 +44,12 @@ def test_scores_off_the_scale_stand_clear_of_each_other_and_of_discs():
 def test_surrogates_of_different_runs_are_not_said_to_share_folds(study):
     """A plane of thirty runs beside one of sixty: only the held-out runs are common."""
     content = study(surrogates=("linear", "quadratic"))
-    fit = content.fits["quadratic"]["pressure_b1"]
     caption = "on the same folds and the same held-out runs"
     assert (
         caption
         in next(read(report.build(content).html).all("section", id="output-pressure_b1")).text
     )
-    fewer = fitting.fit(
-        content.space,
-        fit.coded[:30],
-        fit.values[:30],
-        Linear(),
-        surrogate="linear",
-        output="pressure_b1",
-    )
-    other = replace(content, fits={**content.fits, "linear": {"pressure_b1": fewer}})
+    other = with_fewer_runs(content, 30)
     told = next(read(report.build(other).html).all("section", id="output-pressure_b1")).text
     assert caption not in told and "Their training designs differ" in told
 

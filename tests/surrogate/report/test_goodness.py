@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_up import with_fewer_runs
 
 from surrogate.fitting import fit as fitting
 from surrogate.regressors.polynomial import Linear
@@ -35,16 +36,7 @@ def test_nested_models_are_tested_in_order(study):
 def test_models_of_other_runs_are_not_tested(study):
     """Fits of different runs are no nested pair; nothing is said of them."""
     content = study(surrogates=("linear", "quadratic"))
-    fit = content.fits["linear"]["pressure_b1"]
-    fewer = fitting.fit(
-        content.space,
-        fit.coded[:30],
-        fit.values[:30],
-        Linear(),
-        surrogate="linear",
-        output="pressure_b1",
-    )
-    other = replace(content, fits={**content.fits, "linear": {"pressure_b1": fewer}})
+    other = with_fewer_runs(content, 30)
     assert comparisons(other, "pressure_b1", ["linear", "quadratic"]) == []
 
 
