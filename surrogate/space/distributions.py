@@ -7,7 +7,7 @@ has ends and truncates any other: F(x) = (F0(x) - F0(a)) / (F0(b) - F0(a)) on [a
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -28,7 +28,7 @@ class Distribution:
     words  what it was built from, for printing and comparing
     """
 
-    base: Any
+    base: Any = field(repr=False)  # scipy's tells only where it lies in memory
     support: Range
     words: tuple[tuple[str, Any], ...]
 
