@@ -5,6 +5,7 @@
     python benchmarks/surrogates.py regression   table beside statsmodels (if it is installed)
     python benchmarks/surrogates.py predict      100 000 predictions of a Gaussian process
     python benchmarks/surrogates.py many         polynomials of 100 000 runs, with cross-validation
+    python benchmarks/surrogates.py large        Gaussian process on 1000 to 50 000 runs
     python benchmarks/surrogates.py truncation   polynomial chaos: truncation chosen, or 0.75
 
 Measured in processor time on one thread, ours and scikit-learn's in the same run:
@@ -244,22 +245,46 @@ def truncation(sizes: tuple[int, ...]) -> None:
         )
 
 
+def large(sizes: tuple[int, ...]) -> None:
+    """Processor time, memory and error of a Gaussian process, fit with ten folds."""
+    solver = SOLVERS["borehole (8 inputs)"]
+    space = space_of(solver)
+    test = 2.0 * qmc.Sobol(space.size, seed=9).random(2048) - 1.0
+    truth = evaluate(solver, space, test)
+    for runs in sizes:
+        coded = cube(space.size, runs, seed=1)
+        values = evaluate(solver, space, coded)
+        start = time.process_time()
+        found = fit(space, coded, values, GaussianProcess())
+        fitted = time.process_time()
+        low, high = found.interval(test)
+        seconds = time.process_time() - fitted
+        inside = np.mean((low <= truth) & (truth <= high))
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+        print(
+            f"{runs} runs: fit {fitted - start:.1f} s, 2048 predictions {seconds:.2f} s, 1 - Q2 "
+            f"{1.0 - q2(truth, found.predict(test)):.1e}, coverage {inside:.3f}, "
+            f"at most {peak:.0f} MB"
+        )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
         "what", choices=["accuracy", "small", "regression", "predict", "many", "truncation"]
     )
-    parser.add_argument("--runs", type=int, nargs="+", default=[50, 200, 500])
+    parser.add_argument("--runs", type=int, nargs="+")
     parser.add_argument("--seeds", type=int, default=10)
     given = parser.parse_args()
     # scikit-learn warns of lengths at their bounds, which is what inert inputs have.
     warnings.simplefilter("ignore", ConvergenceWarning)
     {
-        "accuracy": lambda: accuracy(tuple(given.runs)),
+        "accuracy": lambda: accuracy(tuple(given.runs or (50, 200, 500))),
         "small": lambda: small(given.seeds),
         "regression": regression,
         "predict": predict,
         "many": many,
+        "large": lambda: large(tuple(given.runs or (1000, 2000, 5000, 50_000))),
         "truncation": lambda: truncation(tuple(given.runs)),
     }[given.what]()
 

@@ -32,7 +32,8 @@ class Regressor(Predictor, Protocol):
     """An estimator that `sklearn.base.clone` can copy.
 
     A study sets its parameters `space` and `random_state`, where it has them. An attribute
-    `interval_freedom` gives the degrees of freedom of prediction intervals (Student's t).
+    `interval_freedom` gives the degrees of freedom of prediction intervals (Student's t),
+    `approximation` what it leaves out for speed, in words.
     """
 
     def fit(self, X: Array, y: Array, /) -> Any: ...
@@ -154,6 +155,11 @@ class HasSamples(Predictor, Protocol):
     """Draws values (m, n_samples) at points, as scikit-learn's Gaussian process does."""
 
     def sample_y(self, X: Array, n_samples: int, random_state: int) -> Array: ...
+
+
+def approximation(estimator: object) -> str:
+    """What an estimator leaves out for speed, in words; "" for one that is exact."""
+    return str(getattr(estimator, "approximation", ""))
 
 
 def has_minimum(estimator: object) -> TypeGuard[HasMinimum]:

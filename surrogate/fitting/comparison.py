@@ -19,6 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy import stats
 
+from surrogate.estimator import approximation
 from surrogate.fitting.fit import Fit, q2, rmse
 from surrogate.regressors.field import Field
 from surrogate.regressors.polynomial import Polynomial
@@ -257,7 +258,9 @@ def _verdict(fits: Fits, output: str, q2_cv: Array, q2_test: Array) -> dict[str,
         verdict["margin"] = float(scores[order[ranked[0]]] - scores[order[ranked[1]]])
         verdict["margin_p"] = paired_test(*(fits[name][output] for name in ranked[:2]))
     verdict["margin_clear"] = bool(verdict["margin_p"] < SIGNIFICANT)
-    verdict["sentence"] = _sentence(output, verdict, float(scores[order[ranked[0]]]), *how)
+    words = _sentence(output, verdict, float(scores[order[ranked[0]]]), *how)
+    told = approximation(fits[ranked[0]][output].estimator)
+    verdict["sentence"] = f"{words} {ranked[0]} is approximate: {told}." if told else words
     return verdict
 
 

@@ -18,6 +18,7 @@ n - 1 and n + 1 being for a scale that is estimated from n errors and used for o
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from copy import copy
 from typing import Any, Self
 
@@ -36,6 +37,7 @@ from surrogate.regressors.kriging import Factored, left_out_errors
 from surrogate.regressors.length_search import Search, guesses
 from surrogate.regressors.likelihood import Posterior
 from surrogate.regressors.log_noise import log_variances
+from surrogate.regressors.nearest_runs import ManyRuns, NearestRuns
 from surrogate.regressors.polynomial import linear_terms
 from surrogate.regressors.uncertain_lengths import plausible
 from surrogate.space.space import Space
@@ -51,6 +53,9 @@ NUGGETS = (1e-8, 100.0)
 TRENDS = ("constant", "linear")
 #: Noise of all runs alike, or as their replicates show it.
 EQUAL, REPLICATES = "equal", "replicates"
+#: Above `MANY` runs lengths are those of a core of `CORE` runs, and a point is predicted from the
+#: core and the runs that are nearest to it, see `nearest_runs`.
+MANY, CORE = 2000, 1000
 #: Above this number of runs guesses are tried on a part of the runs.
 SUBSET = 300
 #: Up to this number of runs a left-out fold has its own lengths and nugget.
@@ -92,6 +97,8 @@ class GaussianProcess(FittedProcess):
     """
 
     folds_: NDArray[np.intp] | None
+    many_: ManyRuns | None = None
+    near_: NearestRuns | None = None
     left_out_: tuple[Array, Array]
 
     def __init__(
@@ -116,19 +123,46 @@ class GaussianProcess(FittedProcess):
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""
-        self._most_probable(X, y)
+        self._take(X, y)
         self.folds_ = point_folds(self.points_, seed=self.seed)
+        if len(self.points_) > MANY and self.noise == EQUAL and self.scale_ > 0.0:
+            self.many_ = self._divided()
+        self._find()
+        if self.many_ is not None:
+            self.near_ = self._near(self, self.many_)
         self.left_out_ = self._left_out(self.folds_)
-        self.widening_ = _widening(self.standard_, *self.left_out_) if self.scale_ > 0.0 else 1.0
+        values = self.standard_ if self.many_ is None else self.many_.standard
+        self.widening_ = _widening(values, *self.left_out_) if self.scale_ > 0.0 else 1.0
         return self
 
     def _most_probable(self, X: ArrayLike, y: ArrayLike) -> None:
         """The process of runs with the most probable lengths and nugget found; not widened."""
         self._take(X, y)
+        self._find()
+
+    def _find(self) -> None:
+        """The most probable lengths and nugget of the runs taken."""
         logs = guesses(self._bounds(), self.seed)
         if self.scale_ > 0.0:
             logs = self._search(self.standard_[:, None], logs, 1, max(self.starts, 1), FINE)
         self._set(logs[0], self._factored(logs[0]))
+
+    def _divided(self) -> ManyRuns:
+        """All runs; those of a core, drawn at random, stay as the runs of this process."""
+        core = np.zeros(len(self.points_), dtype=bool)
+        core[np.random.default_rng(self.seed).permutation(len(core))[:CORE]] = True
+        every = ManyRuns(self.points_, self.standard_, core)
+        self.points_, self.standard_ = self.points_[core], self.standard_[core]
+        self.noise_ = self.noise_[core]
+        return every
+
+    @staticmethod
+    def _near(
+        core: GaussianProcess, every: ManyRuns, chosen: NDArray[np.bool_] | None = None
+    ) -> NearestRuns:
+        """The runs beside the core, those `chosen` of them."""
+        beside = ~every.core if chosen is None else ~every.core & chosen
+        return NearestRuns.beside(copy(core), every.points[beside], every.standard[beside])
 
     def condition(self, X: ArrayLike, y: ArrayLike, logs: Array) -> Self:
         """Fit to points X (n, d) and values y (n,) with log lengths and log nugget (c + 1,).
@@ -184,7 +218,7 @@ class GaussianProcess(FittedProcess):
         self.columns_ = columns_of(self.space, points.shape[1])
         if self.normal_scores:
             self.columns_ = scored(self.columns_, self.space)
-        self.folds_ = None  # known after `fit`
+        self.folds_, self.many_, self.near_ = None, None, None  # known after `fit`
         self.points_ = expand(points, self.columns_)
         self._standardise(outputs)
         self._take_noise()
@@ -260,8 +294,39 @@ class GaussianProcess(FittedProcess):
             search.descend(output, starts, end)
         return search.found()
 
+    def predict_many(
+        self, models: Sequence[FittedProcess], X: ArrayLike, return_std: bool = False
+    ) -> Array | tuple[Array, Array]:
+        """Values (m, k) of processes of the same runs; of many runs, by the nearest ones too."""
+        check_is_fitted(self)
+        if self.near_ is None:
+            return super().predict_many(models, X, return_std)
+        mean, variance = self.near_.predict(self.expanded(X))
+        values = self.unscaled(mean)[:, None]
+        return (
+            (values, np.sqrt(self.predictive_variance * variance)[:, None])
+            if return_std
+            else values
+        )
+
+    @property
+    def approximation(self) -> str:
+        """What a process of many runs leaves out, in words; "" up to `MANY` runs."""
+        if self.many_ is None or self.near_ is None:
+            return ""
+        return (
+            f"lengths and indices come from {len(self.points_)} of the "
+            f"{len(self.many_.standard)} runs, each prediction from these and the "
+            f"{self.near_.nearest} other runs nearest to it"
+        )
+
     def leave_one_out(self) -> Array:
-        """Predictions (n,) of each run without it, lengths and nugget kept (Dubrule 1983)."""
+        """Predictions (n,) of each run without it, lengths and nugget kept (Dubrule 1983).
+
+        Of more than `MANY` runs without its fold.
+        """
+        if self.near_ is not None:
+            return self.unscaled(self.left_out_[0])
         return self.unscaled(self._closed(np.arange(len(self.points_)))[0])
 
     def leave_out(self, folds: ArrayLike) -> Array:
@@ -302,7 +367,12 @@ class GaussianProcess(FittedProcess):
         return found
 
     def portable(self) -> dict[str, Any]:
-        """JSON-able description; `FitError` where noise depends on the place."""
+        """JSON-able description; `FitError` where noise depends on the place, or of many runs."""
+        if self.near_ is not None:
+            raise FitError(
+                f"a Gaussian process of more than {MANY} runs has no portable form, because each "
+                "point is predicted from other runs; export polynomial chaos, or fit fewer runs"
+            )
         if self.noise != EQUAL:
             raise FitError(
                 f"a Gaussian process with noise: {self.noise} has no portable form, for its "
@@ -312,6 +382,8 @@ class GaussianProcess(FittedProcess):
 
     def _left_out(self, folds: NDArray[np.intp]) -> tuple[Array, Array]:
         """Standardised predictions (n,) of each run without its fold, and their deviations."""
+        if self.many_ is not None:
+            return self._left_out_of_many(folds, self.many_)
         if self.scale_ == 0.0 or len(self.points_) > REFIT:
             return self._closed(folds)
         mean, std = np.full((2, len(folds)), np.nan)
@@ -321,6 +393,21 @@ class GaussianProcess(FittedProcess):
                 mean[inside], std[inside] = self._without(inside)
             except ValueError:
                 continue  # the rest cannot support the trend: stays NaN
+        return mean, std
+
+    def _left_out_of_many(self, folds: NDArray[np.intp], every: ManyRuns) -> tuple[Array, Array]:
+        """The same of all runs, lengths, nugget and variance kept: folds leave the core too."""
+        mean, std = np.empty((2, len(folds)))
+        share = self.variance_ / self.scale_**2
+        for fold in counted("fold", np.unique(folds).tolist()):
+            rest = folds != fold
+            other = copy(self)
+            other.points_ = every.points[every.core & rest]
+            other.standard_ = every.standard[every.core & rest]
+            other.noise_ = np.ones(len(other.points_))
+            other._set(self.logs_, other._factored(self.logs_))
+            mean[~rest], variance = self._near(other, every, rest).predict(every.points[~rest])
+            std[~rest] = np.sqrt(share * variance)
         return mean, std
 
     def _without(self, inside: NDArray[np.bool_]) -> tuple[Array, Array]:
