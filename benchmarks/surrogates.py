@@ -271,7 +271,8 @@ def large(sizes: tuple[int, ...]) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
-        "what", choices=["accuracy", "small", "regression", "predict", "many", "truncation"]
+        "what",
+        choices=["accuracy", "small", "regression", "predict", "many", "truncation", "large"],
     )
     parser.add_argument("--runs", type=int, nargs="+")
     parser.add_argument("--seeds", type=int, default=10)
@@ -285,7 +286,7 @@ def main() -> None:
         "predict": predict,
         "many": many,
         "large": lambda: large(tuple(given.runs or (1000, 2000, 5000, 50_000))),
-        "truncation": lambda: truncation(tuple(given.runs)),
+        "truncation": lambda: truncation(tuple(given.runs or (50, 200, 500))),
     }[given.what]()
 
 

@@ -64,11 +64,11 @@ def test_the_error_vanishes_as_neighbours_become_all_runs(exact):
 
 @pytest.fixture(scope="module")
 def many():
-    """Fits with a threshold that 400 runs exceed, and the exact one."""
+    """Fits with a threshold that 600 runs exceed, and the exact one."""
     with pytest.MonkeyPatch.context() as patch:
-        x = points(400, seed=3)
+        x = points(600, seed=3)
         whole = fit(SPACE, x, answers(x), GaussianProcess(starts=1), surrogate="gp")
-        patch.setattr(gaussian_process, "MANY", 300)
+        patch.setattr(gaussian_process, "MANY", 500)
         patch.setattr(gaussian_process, "CORE", 200)
         parts = fit(SPACE, x, answers(x), GaussianProcess(starts=1), surrogate="gp")
     return whole, parts
@@ -107,6 +107,6 @@ def test_an_approximation_is_told_and_not_exported(many):
     whole, parts = many
     assert "approximate" not in str(compare({"gp": {"y": whole}})["sentence"].item())
     words = str(compare({"gp": {"y": parts}})["sentence"].item())
-    assert "gp is approximate: lengths and indices come from 200 of the 400 runs" in words
+    assert "gp is approximate: lengths and indices come from 200 of the 600 runs" in words
     with pytest.raises(FitError, match="has no portable form"):
         parts.portable()
