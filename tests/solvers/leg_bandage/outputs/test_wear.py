@@ -6,6 +6,7 @@ import pytest
 from surrogate.conformance import check_solver
 from surrogate.errors import StudyError
 from surrogate_solvers.leg_bandage.outputs.answers import OUTPUTS
+from surrogate_solvers.leg_bandage.outputs.states_picture import draw_states
 from surrogate_solvers.leg_bandage.plugin import LegBandage
 from surrogate_solvers.leg_bandage.skin_friction import SKINS
 
@@ -75,3 +76,9 @@ def test_the_model_is_left_as_it_was(worn):
     assert model.shell.memory is None
     np.testing.assert_array_equal(model.tissue.volumes, model.tissue.weights.sum(axis=1))
     assert {"lying", "standing", "dorsiflexion", "240 minutes"} <= set(worn.states)
+
+
+def test_a_picture_of_the_states(worn, tmp_path):
+    """Lying, standing, dorsiflexion and later in one PNG."""
+    path = draw_states(worn, tmp_path / "states.png")
+    assert path.read_bytes().startswith(b"\x89PNG") and path.stat().st_size > 20_000
