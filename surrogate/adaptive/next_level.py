@@ -52,6 +52,7 @@ def choose(
     *,
     done: Truth | None = None,
     left: float = np.inf,
+    least: int = 0,
 ) -> tuple[int, int] | None:
     """Number of the best candidate and of the level to run there, the cheapest being 0.
 
@@ -60,6 +61,7 @@ def choose(
     seconds  of a run of each level, cheapest first
     done     (m, levels) which levels have a run at which candidate
     left     seconds that may be spent; None is returned when no choice is as cheap as that
+    least    number of the cheapest level that may be chosen
     """
     X, Z, each = (np.asarray(one, dtype=float) for one in (X, Z, seconds))
     if any(len(each) != len(levels) for levels in outputs) or not (each > 0.0).all():
@@ -72,7 +74,7 @@ def choose(
         taken += gains(levels, X, Z) / (levels[-1].scale_ ** 2 or 1.0)
     removed = np.cumsum(np.where(done, 0.0, taken), axis=1)
     cost = np.cumsum(np.where(done, 0.0, each), axis=1)
-    possible = ~done & (cost <= left)
+    possible = ~done & (cost <= left) & (np.arange(len(each)) >= least)
     if not possible.any():
         return None
     worth = np.where(possible, removed / np.where(cost > 0.0, cost, 1.0), -np.inf)

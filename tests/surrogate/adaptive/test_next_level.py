@@ -5,6 +5,9 @@ from copy import copy
 import numpy as np
 import pytest
 
+from surrogate.adaptive.aim import ACCURACY, Aim, Level, Rule, Until
+from surrogate.adaptive.answers import Answers
+from surrogate.adaptive.by_seconds import neglected
 from surrogate.adaptive.next_level import choose, gains
 from surrogate.regressors.cokriging import CoKriging
 from surrogate.regressors.level_process import LevelRuns
@@ -89,3 +92,17 @@ def test_a_level_that_is_done_costs_nothing_and_what_is_too_dear_is_not_chosen()
     assert level == 1 and point % 4
     assert choose([one.levels_], low, GRID, [1.0, 10.0], done=done, left=9.0) is None
     assert choose([one.levels_], GRID, GRID, [1.0, 10.0], left=9.0)[1] == 0
+
+
+def test_a_truth_with_few_runs_is_run_next_whatever_its_process_says():
+    """While twice the square of its runs is less than the runs of the cheap level."""
+    levels = (Level("cheap", (0,), 1.0), Level("true", (0,), 10.0))
+    rule = Rule(Aim(ACCURACY, ("y",)), Until(None, "q2", seconds=1e9), levels=levels)
+
+    def lacks(cheap, true):
+        named = np.repeat(("cheap", "true"), (cheap, true))
+        none = np.zeros(len(named), dtype=bool)
+        return neglected(rule, Answers(np.zeros((len(named), 1)), none, none, {}, named))
+
+    assert [lacks(cheap, 3) for cheap in (9, 18, 19, 100)] == [0, 0, 1, 1]
+    assert lacks(100, 8) == 0
