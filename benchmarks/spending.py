@@ -8,7 +8,7 @@ one's truth (two more than inputs at least) nested in three times as many cheap 
 place and level until it has spent as many seconds. Co-kriging learns from both; RMSE on 1000
 points, medians over repeats with other initial runs. `seconds`: of the adaptive design when its
 RMSE has come to the fixed one's, looked for up to twice the budget; `saved`: 1 - that over the
-budget. `truth`: runs of the truth of both.
+budget. `truth`: runs of the truth of both. The printed table stands in docs/how_to/levels.md.
 """
 
 from __future__ import annotations
