@@ -60,7 +60,7 @@ def choose_levels(
 
 def neglected(rule: Rule, answers: Answers) -> int:
     """Number of the dearest level with too few runs beside the level below it; 0 for none."""
-    runs = np.array([int((answers.levels == level.name).sum()) for level in rule.levels])
+    runs = np.array([len(answers.of_level(level.name).coded) for level in rule.levels])
     return int(np.flatnonzero(np.append(True, 2 * runs[1:] ** 2 < runs[:-1]))[-1])
 
 
