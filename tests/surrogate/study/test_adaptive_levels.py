@@ -94,9 +94,10 @@ def test_stored_runs_know_the_levels_that_were_chosen(done, tmp_path):
     study, runs, folder = done
     again = states(study.rules, study.designs, tmp_path, [runs])["train"]
     kept = states(study.rules, study.designs, folder, [])["train"]
-    np.testing.assert_allclose(again.points, kept.points)
-    assert again.levels == kept.levels and {"cheap", "true"} == set(kept.levels)
-    assert again.reviews == kept.reviews
+    count = len(again.points)  # of a larger budget the folder may hold more
+    np.testing.assert_allclose(again.points, kept.points[:count])
+    assert again.levels == kept.levels[:count] and {"cheap", "true"} == set(again.levels)
+    assert again.reviews == kept.reviews[: len(again.reviews)]
 
 
 def test_batches_are_the_same_with_any_number_of_workers(tmp_path):
