@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +115,7 @@ class _Law:
         shares[-1] = 1.0
         return cls(values, shares)
 
-    @property
+    @cached_property
     def mean(self) -> float:
         """Mean duration."""
         return float(self.values @ np.diff(self.shares, prepend=0.0))
