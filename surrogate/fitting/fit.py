@@ -260,7 +260,7 @@ def prepare(estimator: Regressor, space: Space, *, seed: int = 0, field: bool = 
         ready = make_pipeline(FunctionTransformer(expand, kw_args={"of": of}), ready)
     if not field:
         return ready
-    return Registered(ready) if getattr(ready, "register", False) else Field(ready)
+    return Registered(ready) if getattr(ready, "registration", False) else Field(ready)
 
 
 def minimum_runs(estimator: Regressor, space: Space) -> int:

@@ -89,7 +89,7 @@ class GaussianProcess(FittedProcess):
             the far ends of a law, where a limit is rarely exceeded
     noise   "equal" at all places, or "replicates": the scatter at repeated points says how the
             variance of a run about the process depends on the place, see `log_noise`
-    register  True: a field whose pattern moves with the inputs is aligned first, see `registered`
+    registration  True: fields whose pattern moves are aligned first, see `registered`
 
     Fitted: what `FittedProcess` lists; by `fit` alone `folds_` (n,) and `left_out_`, standardised
     predictions (n,) of each run without its fold and their deviations. `widening_` is 1 for
@@ -110,7 +110,7 @@ class GaussianProcess(FittedProcess):
         space: Space | None = None,
         normal_scores: bool = False,
         noise: str = EQUAL,
-        register: bool = False,
+        registration: bool = False,
     ) -> None:
         self.trend = trend
         self.nugget = nugget
@@ -119,7 +119,7 @@ class GaussianProcess(FittedProcess):
         self.space = space
         self.normal_scores = normal_scores
         self.noise = noise
-        self.register = register
+        self.registration = registration
 
     def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
         """Fit to coded points X (n, d) and values y (n,)."""

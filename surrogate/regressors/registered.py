@@ -155,7 +155,7 @@ class Registered(Field):
     def portable(self) -> dict[str, Any]:
         """Raises `FitError`: documents have no words for fields that move."""
         raise FitError(
-            "a registered field has no portable form: take `register` out of the surrogate's "
+            "a registered field has no portable form: take `registration` out of the surrogate's "
             "options, and its field is exported by modes alone"
         )
 

@@ -35,7 +35,7 @@ def pulses(x, width=0.025):
 def fits():
     coded = points(40, seed=1)
     return {
-        registered: fit(SPACE, coded, pulses(coded), GaussianProcess(register=registered))
+        registered: fit(SPACE, coded, pulses(coded), GaussianProcess(registration=registered))
         for registered in (False, True)
     }
 
@@ -101,7 +101,7 @@ def test_indices_of_a_registered_field_are_those_of_its_modes(fits):
 
 
 def test_a_registered_field_says_that_it_cannot_be_exported(fits):
-    with pytest.raises(FitError, match="take `register` out of the surrogate's options"):
+    with pytest.raises(FitError, match="take `registration` out of the surrogate's options"):
         fits[True].portable()
 
 
