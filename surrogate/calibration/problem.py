@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from surrogate.fitting.best import BEST
 from surrogate.space.discrete import DiscreteLaw
 from surrogate.space.distributions import Distribution
 from surrogate.space.space import Space
@@ -66,7 +67,7 @@ class Problem:
     labels: tuple[str, ...]
     measured: tuple[Measured, ...]
     discrepancy: bool = False
-    surrogate: str = "best"
+    surrogate: str = BEST
     draws: int = DRAWS
     seed: int = 0
     emulator_error: bool = True

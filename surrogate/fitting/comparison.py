@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from surrogate.estimator import approximation
+from surrogate.fitting.best import BEST
 from surrogate.fitting.fit import Fit, q2, rmse
 from surrogate.regressors.field import Field
 from surrogate.regressors.polynomial import Polynomial
@@ -93,7 +94,7 @@ def chosen(surrogate: str, best: Mapping[str, str], fits: Fits) -> dict[str, Fit
 
     surrogate: a name, or `best` for the surrogate that `best` names for the output
     """
-    names = best if surrogate == "best" else dict.fromkeys(fits.get(surrogate, {}), surrogate)
+    names = best if surrogate == BEST else dict.fromkeys(fits.get(surrogate, {}), surrogate)
     return {
         output: fits[name][output] for output, name in names.items() if output in fits.get(name, {})
     }

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from surrogate.fitting.best import BEST
+
 if TYPE_CHECKING:  # the words of a study file are read without NumPy
     import numpy as np
     from numpy.typing import NDArray
@@ -29,7 +31,7 @@ class Failure:
     limit: float
     sign: Literal[1, -1] = 1
     unit: str = ""
-    surrogate: str = "best"
+    surrogate: str = BEST
     method: str = AUTO
 
     def margin(self, values: Array) -> Array:

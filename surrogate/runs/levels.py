@@ -62,7 +62,7 @@ class LevelsSolver:
 
     def __call__(self, **inputs: Any) -> Mapping[str, Any]:
         """The answer of the level that `level` names; of the truth without it."""
-        spec = self.levels[inputs.pop(LEVEL, list(self.levels)[-1])]
+        spec = self.levels[inputs.pop(LEVEL, self.inputs[LEVEL].nominal)]
         return spec.solver(**taken(spec, inputs))
 
 
@@ -78,16 +78,20 @@ class LevelsSpec(SolverSpec):
     levels: Mapping[str, SolverSpec] = field(default_factory=dict)
 
     @property
+    def truth(self) -> str:
+        """The name of the last level."""
+        return list(self.levels)[-1]
+
+    @property
     def context(self) -> str:
         """That of the truth."""
-        return list(self.levels.values())[-1].context
+        return self.levels[self.truth].context
 
     def parts(
         self, calls: Sequence[RunInputs]
     ) -> Iterator[tuple[SolverSpec, NDArray[np.intp], list[RunInputs]]]:
         """Each level's solver, the numbers of its calls, and the calls as it is called."""
-        truth = list(self.levels)[-1]
-        own = np.array([call.get(LEVEL, truth) for call in calls], dtype=str)
+        own = np.array([call.get(LEVEL, self.truth) for call in calls], dtype=str)
         for name, spec in self.levels.items():
             numbers = np.flatnonzero(own == name)
             yield spec, numbers, [taken(spec, calls[number]) for number in numbers.tolist()]

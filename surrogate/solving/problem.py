@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from surrogate.fitting.best import BEST
 from surrogate.solving.goals import Desire, Goal, Objective, Target
 from surrogate.space.constraints import Relation
 
@@ -37,7 +38,7 @@ class Problem:
     fixed: Mapping[str, float] = field(default_factory=dict)
     probability: float | None = None
     candidates: int = 5
-    surrogate: str = "best"
+    surrogate: str = BEST
 
     @property
     def sure(self) -> float:

@@ -15,6 +15,7 @@ from surrogate.errors import FitError
 from surrogate.estimator import Array, Regressor
 from surrogate.fitting import comparison as comparing
 from surrogate.fitting import fit as fitting
+from surrogate.fitting.best import BEST
 from surrogate.fitting.fit import Fit
 from surrogate.fitting.forecast import AHEAD, WIDTH, Forecast, Goal, forecast
 from surrogate.fitting.learning import SUBSETS, Curve, Runs, has_curve, has_given_terms, learn
@@ -26,7 +27,7 @@ from surrogate.stages.fits import Fits, Surrogate, lower_runs, with_lower
 from surrogate.stages.sensitivity import SensitivityMethod, indices
 from surrogate.stages.stage import Job, Result
 
-BEST, ALL = "best", "all"
+ALL = "all"
 #: Of a curve that nobody asked for: its subsets, and the most runs.
 UNASKED, MOST_UNASKED = 10, 300
 #: Shares of the subsets between which the band lies, and its middle.

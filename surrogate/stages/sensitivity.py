@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from surrogate.fitting import comparison as comparing
+from surrogate.fitting.best import BEST
 from surrogate.fitting.fit import Fit
 from surrogate.fitting.noise import q2_of_mean
 from surrogate.runs import dataset as rundata
@@ -29,7 +30,7 @@ class SensitivityMethod:
     name: str
     function: Any
     options: Mapping[str, Any]
-    surrogate: str = "best"
+    surrogate: str = BEST
     confidence: float = 0.95
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 

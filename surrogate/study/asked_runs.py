@@ -146,11 +146,10 @@ class AskedRuns:
         """Level of fidelity of each row, the truth but for nested designs; [] without levels."""
         if not isinstance(self.spec, LevelsSpec):
             return []
-        truth = list(self.spec.levels)[-1]
         return [
             level
             for design in self.designs.values()
-            for level in design.levels or [truth] * len(design.coded)
+            for level in design.levels or [self.spec.truth] * len(design.coded)
         ]
 
     @cached_property

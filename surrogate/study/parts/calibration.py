@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
+from surrogate.fitting.best import BEST
 from surrogate.study.parts.part import OpenPart, Part
 from surrogate.study.parts.values import Name, Number, Texts
 
@@ -79,7 +80,7 @@ class CalibrationPart(Part):
         examples=["2 mmHg", "estimate"],
     )
     surrogate: str = Field(
-        "best", description="A surrogate's name, or best of each output.", examples=["gp"]
+        BEST, description="A surrogate's name, or best of each output.", examples=["gp"]
     )
     draws: int = Field(
         4000, ge=100, le=200_000, description="Posterior draws to keep.", examples=[4000]

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
+from surrogate.fitting.best import BEST
 from surrogate.study.parts.part import Part
 from surrogate.study.parts.values import Number, Texts
 
@@ -46,7 +47,7 @@ class LearningPart(Part):
         examples=["pressure_b1"],
     )
     surrogate: str = Field(
-        "best",
+        BEST,
         description="Whose curve: a surrogate's name, all, or best: the best one of each output, "
         "and linear and quadratic ones beside it.",
         examples=["gp"],

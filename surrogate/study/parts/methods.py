@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
+from surrogate.fitting.best import BEST
 from surrogate.study.parts.inputs import SolverPart
 from surrogate.study.parts.part import MethodPart, OpenPart, Part
 from surrogate.study.parts.values import Name, Texts
@@ -74,7 +75,7 @@ class SensitivityPart(MethodPart):
         examples=["sobol", "shapley"],
     )
     surrogate: str = Field(
-        "best",
+        BEST,
         description="The surrogate that is evaluated: its name, or best for the best of the "
         "comparison.",
         examples=["gp"],

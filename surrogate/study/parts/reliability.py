@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field, model_validator
 
+from surrogate.fitting.best import BEST
 from surrogate.reliability.problem import METHODS
 from surrogate.study.parts.part import Part
 from surrogate.study.parts.solve import Quantity
@@ -23,7 +24,7 @@ class ReliabilityPart(Part):
         None, description="In place of above: it fails below this value.", examples=[1.5]
     )
     surrogate: str = Field(
-        "best", description="A surrogate's name, or best of the output.", examples=["gp"]
+        BEST, description="A surrogate's name, or best of the output.", examples=["gp"]
     )
     method: str = Field(
         "auto",

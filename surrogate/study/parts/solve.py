@@ -6,6 +6,7 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
+from surrogate.fitting.best import BEST
 from surrogate.study.parts.part import Part
 from surrogate.study.parts.values import Name, Number, Texts
 
@@ -125,7 +126,7 @@ class SolvePart(Part):
     )
     candidates: int = Field(5, ge=1, le=50, description="How many answers at most.", examples=[3])
     surrogate: str = Field(
-        "best", description="A surrogate's name, or best of each output.", examples=["gp"]
+        BEST, description="A surrogate's name, or best of each output.", examples=["gp"]
     )
 
     @model_validator(mode="after")

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
+from surrogate.fitting.best import BEST
 from surrogate.study.parts.adaptive import ADAPTIVE, AdaptivePart
 from surrogate.study.parts.calibration import CalibrationPart
 from surrogate.study.parts.credibility import CredibilityPart
@@ -129,7 +130,7 @@ class StudyPart(Part):
         None,
         description="How the indices are computed that say which parameters matter: a method, or "
         "a method with options.",
-        examples=["sobol", {"method": "sobol", "surrogate": "best"}],
+        examples=["sobol", {"method": "sobol", "surrogate": BEST}],
     )
     screening: ScreeningPart | None = Field(
         None,

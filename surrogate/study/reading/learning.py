@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from surrogate.errors import StudyError
+from surrogate.fitting.best import BEST
 from surrogate.fitting.forecast import Q2, RMSE, WIDTH, Goal
 from surrogate.solver import Output, Solver
 from surrogate.space import units
-from surrogate.stages.learning import ALL, BEST, LearningRule
+from surrogate.stages.learning import ALL, LearningRule
 from surrogate.stages.sensitivity import SensitivityMethod
 from surrogate.study.parts.learning import LearningPart, UntilPart
 from surrogate.study.reading.mistakes import Reading

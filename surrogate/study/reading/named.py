@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from surrogate.errors import nearest
+from surrogate.fitting.best import BEST
 from surrogate.solver import Output
 from surrogate.study.reading.mistakes import Reading
 
@@ -14,7 +15,7 @@ def check_surrogate(
     name: str,
     needed: str,
     *path: str,
-    words: Sequence[str] = ("best",),
+    words: Sequence[str] = (BEST,),
     on_key: bool = False,
 ) -> None:
     """Note when the section at `path` names a surrogate that the study does not have.
