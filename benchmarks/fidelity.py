@@ -8,21 +8,26 @@ Experiments). A cheap run is taken to cost a tenth of a true one. The bandage: t
 with studies/bandage_fidelity.yaml, with the measured medians of their seconds; its held-out runs
 are the test design, and the medium points that a size leaves out.
 
-Designs of n true runs are nested in 5 n cheap ones (bandage: as many coarse ones as said). A
-Gaussian process alone gets maximin Latin hypercubes of more and more true runs, and its seconds
-at the RMSE of co-kriging are interpolated in the logarithms. Medians over seeds.
+Designs of n true runs are nested in 5 n cheap ones (bandage: as many coarse ones as said). The
+same process alone, without a cheaper level, gets maximin Latin hypercubes of more and more true
+runs, and its seconds at the RMSE of co-kriging are interpolated in the logarithms. Medians over
+seeds. Beside it the ratio of our errors to SMT's, geometric mean over twelve other designs (random
+Latin hypercubes; bandage: the same designs), because small maximin designs are alike whatever
+their seed.
 
-    pair (true + cheap runs)   seconds   RMSE ours, SMT   one level needs   saved
-    forrester  4 + 20               60   0.136, 0.141               163 s    63 %
-    currin     6 + 30               90   0.307, 0.257               222 s    60 %
-    currin    12 + 60              180   0.100, 0.139               394 s    54 %
-    park       8 + 40              120   0.137, 0.173               144 s    17 %
-    park      16 + 80              240   0.056, 0.060               178 s   -35 %
-    borehole  12 + 60              180   1.27, 0.92                 505 s    64 %
-    borehole  20 + 100             300   0.50, 0.34                 918 s    67 %
-    bandage    8 + 32              685   1.31, 1.35 mmHg            950 s    28 %
-    bandage   12 + 60             1145   1.07, 1.08 mmHg           1110 s    -3 %
-    bandage   24 + 152            2603   0.33, 0.27 mmHg        over 1117 s (24 medium runs: 1.06)
+    pair (true + cheap runs)   seconds   RMSE ours, SMT   ratio   one level needs   saved
+    forrester  4 + 20               60   0.139, 0.141      1.01             162 s    63 %
+    forrester  6 + 30               90   0.014, 0.014      1.09             350 s    74 %
+    currin     6 + 30               90   0.302, 0.268      0.93             225 s    60 %
+    currin    12 + 60              180   0.101, 0.101      0.96             394 s    54 %
+    park       8 + 40              120   0.146, 0.173      0.89             149 s    20 %
+    park      16 + 80              240   0.056, 0.058      0.97             196 s   -22 %
+    borehole  12 + 60              180   0.891, 0.906      1.06             518 s    65 %
+    borehole  20 + 100             300   0.350, 0.349      0.99             918 s    67 %
+    bandage    8 + 32              685   1.34, 1.35 mmHg   1.00             948 s    28 %
+    bandage   12 + 60             1145   1.07, 1.08 mmHg   0.91    1117 s or more    (24 runs: 1.07)
+    bandage   16 + 64             1370   0.76, 0.90 mmHg   0.88    1117 s or more
+    bandage   24 + 152            2603   0.34, 0.27 mmHg   1.25    1117 s or more
 
 Co-kriging pays where true runs are too few to see the shape, and costs where the truth alone is
 smooth (Park). A coarse run of the bandage costs a fifth of a medium one: twice the share.
@@ -31,81 +36,29 @@ smooth (Park). A coarse run of the bandage costs a fifth of a medium one: twice 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from fidelity_pairs import PAIRS, Array, Pair, scattered
 
 from surrogate import Study
 from surrogate.designs.latin_hypercube import latin_hypercube
 from surrogate.designs.nested import nested
 from surrogate.regressors.cokriging import CoKriging
-from surrogate.regressors.gaussian_process import GaussianProcess
 from surrogate.regressors.level_process import LevelRuns
 from surrogate.runs import dataset as rundata
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
 
-Array = np.ndarray
-Function = Callable[[Array], Array]
-RATIO, CHEAP, SEEDS = 10.0, 5, 3
+RATIO, CHEAP, SEEDS, SCATTERED = 10.0, 5, 5, 12
 
 
-def forrester(u: Array) -> Array:
-    x = u[:, 0]
-    return (6 * x - 2) ** 2 * np.sin(12 * x - 4)
-
-
-def forrester_cheap(u: Array) -> Array:
-    return 0.5 * forrester(u) + 10 * (u[:, 0] - 0.5) - 5
-
-
-def park(u: Array) -> Array:
-    a, b, c, d = np.clip(u, 1e-9, 1).T
-    return a / 2 * (np.sqrt(1 + (b + c**2) * d / a**2) - 1) + (a + 3 * d) * np.exp(1 + np.sin(c))
-
-
-def park_cheap(u: Array) -> Array:
-    a, b, c, _ = u.T
-    return (1 + np.sin(a) / 10) * park(u) - 2 * a + b**2 + c**2 + 0.5
-
-
-def currin(u: Array) -> Array:
-    a, b = u[:, 0], np.maximum(u[:, 1], 1e-9)
-    top = 2300 * a**3 + 1900 * a**2 + 2092 * a + 60
-    return (1 - np.exp(-1 / (2 * b))) * top / (100 * a**3 + 500 * a**2 + 4 * a + 20)
-
-
-def currin_cheap(u: Array) -> Array:
-    corners = [
-        currin(np.column_stack([u[:, 0] + i, np.maximum(u[:, 1] + j, 0.0)]))
-        for i in (-0.05, 0.05)
-        for j in (-0.05, 0.05)
-    ]
-    return np.mean(corners, axis=0)
-
-
-def _well(u: Array, factor: float, one: float) -> Array:
-    low = np.array([0.05, 100, 63070, 990, 63.1, 700, 1120, 9855])
-    high = np.array([0.15, 50000, 115600, 1110, 116, 820, 1680, 12045])
-    rw, r, tu, hu, tl, hl, length, kw = (low + u * (high - low)).T
-    log = np.log(r / rw)
-    return factor * tu * (hu - hl) / (log * (one + 2 * length * tu / (log * rw**2 * kw) + tu / tl))
-
-
-def borehole(u: Array) -> Array:
-    return _well(u, 2 * np.pi, 1.0)
-
-
-def borehole_cheap(u: Array) -> Array:
-    return _well(u, 5.0, 1.5)
-
-
-PAIRS: dict[str, tuple[int, Function, Function, tuple[int, ...], tuple[int, ...]]] = {
-    "forrester": (1, forrester_cheap, forrester, (4, 6), (4, 6, 8, 10, 14, 20)),
-    "park": (4, park_cheap, park, (8, 16), (10, 20, 40, 80)),
-    "borehole": (8, borehole_cheap, borehole, (12, 20), (15, 30, 60, 120)),
-    "currin": (2, currin_cheap, currin, (6, 12), (8, 16, 32, 64)),
+#: Pair -> numbers of true runs beside cheap ones, and alone.
+SIZES: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {
+    "forrester": ((4, 6), (4, 6, 8, 10, 14, 20, 30, 40)),
+    "currin": ((6, 12), (8, 16, 32, 64)),
+    "park": ((8, 16), (10, 20, 40, 80)),
+    "borehole": ((12, 20), (15, 30, 60, 120)),
 }
 
 
@@ -138,7 +91,8 @@ def seconds_at(error: float, seconds: Array, errors: Array) -> float:
     return float(np.exp(np.interp(np.log(error), np.log(falling)[order], np.log(seconds)[order])))
 
 
-Sizes = list[tuple[str, float, list[float]]]
+#: What a size is, its seconds, median RMSE of ours and SMT's, and geometric mean of their ratio.
+Sizes = list[tuple[str, float, list[float], float]]
 
 
 def told(name: str, sizes: Sizes, alone: list[tuple[float, float]]) -> None:
@@ -146,40 +100,54 @@ def told(name: str, sizes: Sizes, alone: list[tuple[float, float]]) -> None:
     alone = sorted(dict(alone).items())
     seconds, errors = np.array(alone).T
     print(f"\n{name}\n  one level: " + ", ".join(f"{s:.0f} s {e:.3g}" for s, e in alone))
-    for label, cost, (ours, theirs) in sizes:
+    for label, cost, (ours, theirs), ratio in sizes:
         equal = seconds_at(ours, seconds, errors)
         saved = "more than any here" if np.isinf(equal) else f"{1 - cost / equal:.0%} saved"
         limit = f"{seconds[-1]:.0f} s or more" if np.isinf(equal) else f"{equal:.0f} s"
         print(
-            f"  {label}, {cost:.0f} s: RMSE {ours:.3g}, SMT {theirs:.3g}; one level needs {limit}"
-            f" ({saved})"
+            f"  {label}, {cost:.0f} s: RMSE {ours:.3g}, SMT {theirs:.3g}, ratio {ratio:.2f}; "
+            f"one level needs {limit} ({saved})"
         )
 
 
 def public(name: str) -> None:
-    size, cheap, truth, few, many = PAIRS[name]
-    space = Space(tuple(Parameter(f"x{j}", uniform(0, 1)) for j in range(size)))
+    pair, (few, many) = PAIRS[name], SIZES[name]
+    space = Space(tuple(Parameter(f"x{j}", uniform(0, 1)) for j in range(pair.inputs)))
     new = space.sample(1000, seed=99)
-
-    def u(coded: Array) -> Array:
-        return (coded + 1) / 2
-
-    target, sizes, alone = truth(u(new)), [], []
+    target, sizes, alone = pair.values(pair.true, new), [], []
     for n in few:
         errors = []
         for seed in range(SEEDS):
             rows = nested(space, runs={"cheap": CHEAP * n, "true": n}, seed=seed)
             x, t = rows[: CHEAP * n], rows[CHEAP * n :]
-            errors.append(both(x, cheap(u(x)), t, truth(u(t)), new, target))
+            low, high = pair.values(pair.cheap, x), pair.values(pair.true, t)
+            errors.append(both(x, low, t, high, new, target))
         cost = n * RATIO + CHEAP * n
-        sizes.append((f"{n} + {CHEAP * n} runs", cost, np.median(errors, axis=0).tolist()))
+        medians = np.median(errors, axis=0).tolist()
+        sizes.append((f"{n} + {CHEAP * n} runs", cost, medians, _ratio(pair, n, new, target)))
     for n in many:
         errors = []
         for seed in range(SEEDS):
             t = latin_hypercube(space, runs=n, seed=seed)
-            errors.append(rmse(GaussianProcess().fit(t, truth(u(t))).predict(new), target))
+            fitted = CoKriging().fit(t, pair.values(pair.true, t))
+            errors.append(rmse(fitted.predict(new), target))
         alone.append((n * RATIO, float(np.median(errors))))
     told(name, sizes, alone)
+
+
+def _ratio(pair: Pair, n: int, new: Array, target: Array) -> float:
+    """RMSE of ours over SMT's, geometric mean over scattered designs."""
+    errors = []
+    for seed in range(SCATTERED):
+        x, t = scattered(pair.inputs, n, CHEAP * n, seed)
+        low, high = pair.values(pair.cheap, x), pair.values(pair.true, t)
+        errors.append(both(x, low, t, high, new, target))
+    return _mean_ratio(errors)
+
+
+def _mean_ratio(errors: list[list[float]]) -> float:
+    ours, theirs = np.log(errors).T
+    return float(np.exp(np.mean(ours - theirs)))
 
 
 def bandage() -> None:
@@ -206,14 +174,15 @@ def bandage() -> None:
             kept = apart[:, own].any(axis=1)
             kept[np.flatnonzero(~apart.any(axis=1))[:fill]] = True
             ours.append(both(x[kept], low[kept], t[own], high[own], points, values))
-            alone_fit = GaussianProcess().fit(t[own], high[own])
-            single.append(rmse(alone_fit.predict(points), values))
+            fitted = CoKriging().fit(t[own], high[own])
+            single.append(rmse(fitted.predict(points), values))
         cost = n * each[1] + (fill + n) * each[0]
-        sizes.append((f"{n} + {fill + n} runs", cost, np.median(ours, axis=0).tolist()))
+        medians = np.median(ours, axis=0).tolist()
+        sizes.append((f"{n} + {fill + n} runs", cost, medians, _mean_ratio(ours)))
         alone.append((n * each[1], float(np.median(single))))
     told(f"bandage (a coarse run {each[0]:.1f} s, a medium one {each[1]:.1f} s)", sizes, alone)
 
 
 if __name__ == "__main__":
-    for wanted in sys.argv[1:] or [*PAIRS, "bandage"]:
+    for wanted in sys.argv[1:] or [*SIZES, "bandage"]:
         bandage() if wanted == "bandage" else public(wanted)

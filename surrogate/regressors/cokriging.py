@@ -101,11 +101,7 @@ class CoKriging(RegressorMixin, BaseEstimator):
         """The truth's values (m,) at coded X (m, d); with the standard deviation of a new run."""
         one = self.truth
         points = one.expanded(X)
-        mean = one.unscaled(one.mean(points))
-        if not return_std:
-            return mean
-        variance = np.sum(one.parts(points), axis=0) + one.variance_ * one.nugget_
-        return mean, np.sqrt(variance)
+        return one.new_runs(points) if return_std else one.unscaled(one.mean(points))
 
     def variance_of_levels(self, X: ArrayLike) -> Array:
         """What each level, cheapest first, adds to the truth's variance (m, levels) at X (m, d)."""

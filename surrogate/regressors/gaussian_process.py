@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from copy import copy
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -35,7 +35,7 @@ from surrogate.regressors.fitted_process import FittedProcess, predicted
 from surrogate.regressors.folds import point_folds
 from surrogate.regressors.kriging import Factored, left_out_errors
 from surrogate.regressors.length_search import Search, guesses
-from surrogate.regressors.likelihood import Posterior
+from surrogate.regressors.likelihood import NORMAL, LengthPrior, Posterior
 from surrogate.regressors.log_noise import log_variances
 from surrogate.regressors.nearest_runs import ManyRuns, NearestRuns
 from surrogate.regressors.polynomial import linear_terms
@@ -44,9 +44,6 @@ from surrogate.space.space import Space
 
 Array = NDArray[np.float64]
 
-#: Coded inputs span 2: below the lower bound neighbouring runs of any affordable design are
-#: unrelated, above the upper one an input is a straight line or plays no part.
-LENGTHS = (0.05, 50.0)
 #: Nugget as a share of the process variance: from what rounding allows (smaller ones make
 #: weights that lose ten digits) to next to no signal.
 NUGGETS = (1e-8, 100.0)
@@ -96,6 +93,7 @@ class GaussianProcess(FittedProcess):
     processes of many outputs and of given lengths.
     """
 
+    length_prior: ClassVar[LengthPrior] = NORMAL
     folds_: NDArray[np.intp] | None
     many_: ManyRuns | None = None
     near_: NearestRuns | None = None
@@ -265,7 +263,7 @@ class GaussianProcess(FittedProcess):
     def _bounds(self) -> Array:
         """Bounds of log lengths and log nugget, (c + 1, 2)."""
         nugget = NUGGETS if self.nugget == "estimate" else (self.nugget, self.nugget)
-        return np.log([LENGTHS] * self.points_.shape[1] + [nugget])
+        return np.log([self.length_prior.bounds] * self.points_.shape[1] + [nugget])
 
     def _search(self, y: Array, start: Array, leading: int, starts: int, end: float) -> Array:
         """Most probable log lengths and log nugget found of each output of y (n, outputs)."""
@@ -287,7 +285,7 @@ class GaussianProcess(FittedProcess):
     ) -> Array:
         points = self.points_[chosen]
         trend, noise = self._checked_trend(points), self.noise_[chosen]
-        posterior = Posterior(points, trend, y[chosen], noise)
+        posterior = Posterior(points, trend, y[chosen], noise, self.length_prior)
         search = Search(posterior, self._bounds())
         search.judge(start)
         for output in counted("mode", range(leading)):
@@ -354,7 +352,7 @@ class GaussianProcess(FittedProcess):
     def _plausible(self, count: int, rng: np.random.Generator) -> list[GaussianProcess]:
         """Processes of the same runs whose lengths and nugget are drawn from their posterior."""
         trend, standard = self.trend_columns(self.points_), self.standard_[:, None]
-        posterior = Posterior(self.points_, trend, standard, self.noise_)
+        posterior = Posterior(self.points_, trend, standard, self.noise_, self.length_prior)
         found = []
         for logs in plausible(posterior, self.logs_, self._bounds(), count, rng):
             other = copy(self)
@@ -418,7 +416,11 @@ class GaussianProcess(FittedProcess):
         other.log_noise_, other.noise_ = self.log_noise_, self.noise_[~inside]
         logs = other._search(other.standard_[:, None], self.logs_[None], 1, 1, ROUGH)[0]
         other._set(logs, other._factored(logs))
-        mean, std = predicted([other], self.points_[inside], return_std=True)
+        return other.new_runs(self.points_[inside])
+
+    def new_runs(self, points: Array) -> tuple[Array, Array]:
+        """Values (m,) at numeric columns (m, c) and the deviations of new runs."""
+        mean, std = predicted([self], points, return_std=True)
         return mean[:, 0], std[:, 0]
 
     def _closed(self, folds: NDArray[np.intp]) -> tuple[Array, Array]:

@@ -13,13 +13,13 @@ integrated out like the rest of the trend.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from surrogate.regressors.columns import Term
 from surrogate.regressors.gaussian_process import GaussianProcess
+from surrogate.regressors.likelihood import HEAVY_TAILED
 from surrogate.regressors.matern import weighted_sum
 from surrogate.regressors.polynomial import design_matrix, linear_terms
 from surrogate.space.space import Space
@@ -50,7 +50,12 @@ class LevelProcess(GaussianProcess):
     inputs  numbers of the inputs that the level takes; None for all. It takes those of the level
             below too
     scale   rho: "constant" or "linear" in the inputs
+
+    The prior of its lengths has heavy tails: cheap levels have many runs, and what a level adds
+    often depends on few inputs.
     """
+
+    length_prior = HEAVY_TAILED
 
     def __init__(
         self,
@@ -65,11 +70,6 @@ class LevelProcess(GaussianProcess):
     ) -> None:
         super().__init__(trend, nugget, starts, seed, space)
         self.below, self.inputs, self.scale = below, inputs, scale
-
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
-        """Fit to coded points X (n, d) and values y (n,); deviations are not widened."""
-        self._most_probable(X, y)
-        return self
 
     def _take(self, X: ArrayLike, y: ArrayLike) -> None:
         super()._take(X, y)
@@ -136,10 +136,15 @@ class LevelProcess(GaussianProcess):
         sums = weighted_sum(points, self.points_, self.lengths_, self.weights_)
         return np.asarray(sums + self.trend_columns(points) @ self.trend_)
 
+    def new_runs(self, points: Array) -> tuple[Array, Array]:
+        """Values (m,) at numeric columns (m, c) and deviations of new runs, of all levels."""
+        variance = np.sum(self.parts(points), axis=0) + self.predictive_variance * self.nugget_
+        return self.unscaled(self.mean(points)), np.sqrt(variance)
+
     def rho(self, points: Array) -> tuple[Array, Array]:
         """Rho (m,) between standardised levels, and its variance (m,), at numeric columns."""
         g = self.scale_columns(points)
-        p, share = g.shape[1], self.variance_ / (self.scale_**2 or 1.0)
+        p, share = g.shape[1], self.predictive_variance / (self.scale_**2 or 1.0)
         spread = np.einsum("ij,jk,ik->i", g, self.factors_.gain[-p:, -p:], g)
         return g @ self.trend_[-p:], share * spread
 
@@ -151,7 +156,7 @@ class LevelProcess(GaussianProcess):
         """
         points = points * self.mask
         _, variance = self._sums_and_variance(points, self.weights_[:, None])
-        own = self.variance_ * np.maximum(variance - self.nugget_, 0.0)
+        own = self.predictive_variance * np.maximum(variance - self.nugget_, 0.0)
         if self.below is None:
             return [own]
         rho, spread = self.rho(points)

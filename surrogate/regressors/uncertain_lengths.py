@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from surrogate.regressors.likelihood import PRIOR_SPREAD, Posterior
+from surrogate.regressors.likelihood import Posterior
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ def plausible(
     posterior  of one output;  bounds (c + 1, 2), within which draws are clipped
     """
     precisions, axes = np.linalg.eigh(0.5 * _hessian(posterior, logs))
-    deviations = 1.0 / np.sqrt(np.maximum(precisions, PRIOR_SPREAD**-2))
+    deviations = 1.0 / np.sqrt(np.maximum(precisions, posterior.prior.spread**-2))
     moves = (deviations * rng.standard_normal((count, len(logs)))) @ axes.T
     return np.asarray(np.clip(logs + moves, *bounds.T))
 
