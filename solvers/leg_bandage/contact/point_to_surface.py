@@ -23,7 +23,7 @@ true ones).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -37,13 +37,19 @@ from .sparsity import ContactPattern
 class Points:
     """Points of the bandage that may touch: nodes (n, k), weights (n, k), area (n,) mm2.
 
-    `tied` (n,) marks the points that always stick and never open.
+    `tied` (n,) marks the points that always stick and never open. `laid` (n,) are their numbers
+    among all laid points of the bandage; several may have the same.
     """
 
     nodes: np.ndarray
     weights: np.ndarray
     area: np.ndarray
     tied: np.ndarray
+    laid: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+
+    def some(self, which) -> Points:
+        """Some of the points."""
+        return Points(*(getattr(self, one.name)[which] for one in fields(self)))
 
     def at(self, x):
         """Positions (n, 3) for nodal positions x (nodes, 3)."""
@@ -77,11 +83,14 @@ class Contact:
 
     def state(self):
         """What `restore` takes back."""
-        return self.current
+        return self.current, self.points, self.offset
 
     def restore(self, state):
-        """Take back the projection, the anchors and the mode of an earlier state."""
-        self.current = state
+        """Take back points, projection, anchors and mode of an earlier state."""
+        changed = state[1] is not self.points
+        self.current, self.points, self.offset = state
+        if changed:
+            self.rebuild()
 
     def advance(self, du, step=1.0):
         """Move the directions w along the Newton increment `du` of the last tangent.
@@ -180,10 +189,7 @@ class Contact:
         xi = project(self.surface, points, x, self.current.xi)
         jet = self.surface.at(xi, x)
         d = points - jet[:, 0]
-        normal = np.cross(jet[:, 1], jet[:, 2])
-        normal /= np.linalg.norm(normal, axis=1)[:, None]
-        if self.surface.flip:
-            normal = -normal
+        normal = self._normal(jet)
         gap = np.einsum("pc,pc->p", d, normal) - self.offset
         bonded = self._bonded(self.current.bonded)
         p, slope = self.law.pressure(gap, bonded)
@@ -194,6 +200,12 @@ class Contact:
             "p": p, "slope": slope, "shift": shift, "slip": slip,
             "slip_size": np.linalg.norm(slip, axis=1),
         }  # fmt: skip
+
+    def _normal(self, jet):
+        """Outward unit normals (n, 3) of the surface."""
+        normal = np.cross(jet[:, 1], jet[:, 2])
+        normal /= np.linalg.norm(normal, axis=1)[:, None]
+        return -normal if self.surface.flip else normal
 
     def _traction(self, k):
         """Traction F = p n - grip s (n, 3) on the bandage, and grip (n,), MPa/mm."""
@@ -267,6 +279,37 @@ class Contact:
             strict=True,
         ):
             mine[:n] = theirs[:n]
+        self.rebuild()
+
+    def drop(self, gone):
+        """Face these points (n,) no longer."""
+        kept, now = ~gone, self.current
+        self.points, self.offset = self.points.some(kept), self.offset[kept]
+        self.current = replace(now, xi=now.xi[kept], anchor=now.anchor[kept], w=now.w[kept])
+        self.rebuild()
+
+    def take(self, points: Points, xi, height: float, x):
+        """Face more points, at parameters xi (n, 2), without pressure or slip.
+
+        height at which their gap is zero, or less where they are lower now; x (nodes, 3) positions
+        """
+        if not len(xi):
+            return
+        jet, old = self.surface.at(xi, x), self.points
+        away = np.einsum("pc,pc->p", points.at(x) - jet[:, 0], self._normal(jet))
+        offset = np.minimum(height, away - self.law.ramp)
+        self.points = Points(*(
+            np.concatenate([getattr(old, one.name), getattr(points, one.name)])
+            for one in fields(old)
+        ))  # fmt: skip
+        self.offset = np.concatenate([self.offset, offset])
+        now = self.current
+        self.current = replace(
+            now,
+            xi=np.concatenate([now.xi, xi]),
+            anchor=np.concatenate([now.anchor, xi]),
+            w=np.concatenate([now.w, np.zeros((len(xi), 3))]),
+        )
         self.rebuild()
 
     def follow(self, u):

@@ -29,13 +29,27 @@ class Facing:
     skin    with the skin
     turns   with its own turns; without points where it has none beneath
     over    with the bandages beneath, those that it meets
-    points  which of the laid points (flattened) are those of "skin" and of "layers", its turns
+    laid    the points of `skin` as laid
     """
 
     skin: Contact
     turns: Contact
     over: tuple[Contact, ...]
-    points: dict[str, NDArray[np.intp]]
+    laid: Points
+
+    @property
+    def points(self) -> dict[str, NDArray[np.intp]]:
+        """Which of the laid points (flattened) face "skin" and "layers", the bandage's turns."""
+        return {"skin": self.skin.points.laid, "layers": self.turns.points.laid}
+
+    def on_skin(self, p: NDArray[np.float64], laid: Lay) -> NDArray[np.float64]:
+        """Pressure per laid area (ns, nw + 2) on the skin, of p (n,) at the points of `skin`."""
+        pressure = np.zeros(laid.area.size)
+        if self.skin.points is self.laid:
+            pressure[self.laid.laid] = p
+            return np.asarray(pressure.reshape(laid.area.shape) * (1 - laid.cover))
+        np.add.at(pressure, self.skin.points.laid, p * self.skin.points.area)
+        return pressure.reshape(laid.area.shape) / laid.area
 
     @property
     def contacts(self) -> list[Contact]:
@@ -64,7 +78,7 @@ def facing(
     area, cover = laid.area.ravel(), laid.cover.ravel()
 
     def contact(which, surface, xi, share, law):
-        points = Points(nodes[which], weights[0][which], share, tied[which])
+        points = Points(nodes[which], weights[0][which], share, tied[which], which)
         part = Contact(points, surface, X, xi, np.zeros(len(which)), law)
         part.close()
         return part
@@ -75,12 +89,9 @@ def facing(
         contact(which, surface, xi, area[which] * share, between)
         for surface, (which, xi, share) in zip(strips, on, strict=True)
     ]
-    return Facing(
-        contact(bare, skin, seeds[bare], (area * (1 - cover))[bare], on_skin),
-        turns[-1],
-        tuple(one for one, (which, _, _) in zip(turns[:-1], on, strict=False) if len(which)),
-        {"skin": bare, "layers": on[-1][0]},
-    )
+    with_skin = contact(bare, skin, seeds[bare], (area * (1 - cover))[bare], on_skin)
+    over = (one for one, (which, _, _) in zip(turns[:-1], on, strict=False) if len(which))
+    return Facing(with_skin, turns[-1], tuple(over), with_skin.points)
 
 
 def _carried_by(laid: Lay, bandage: int):

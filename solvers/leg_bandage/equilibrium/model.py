@@ -24,6 +24,7 @@ from ..tissue.neo_hooke import Tissue
 from ..wrapping.lay import Lay
 from ..wrapping.spiral import Wrap
 from .facing import Facing, facing
+from .letting_go import Sheet, let_go
 from .newton import Problem, Tolerances
 from .viscosity import Viscosity
 
@@ -222,6 +223,10 @@ def build(
         solver=solver,
         tolerances=tolerances or Tolerances.on_mesh(float(area[count:].mean())),
     )
+    sheets = [
+        Sheet(one.strip, one.lay, one.wrap, one.facing, _on_skin(leg, one.lay)) for one in bandages
+    ]
+    problem.let_go = lambda u: let_go(sheets, X + u.reshape(-1, 3))
     return Model(leg, X, tissue, tuple(bandages), problem)
 
 
@@ -240,12 +245,17 @@ def _wrapped(leg, strips, sheet, material, ends, X):
             [*strips, strip],
             X,
             Skin(leg.skin),
-            skin_parameters(leg, laid.skin).reshape(-1, 2),
+            _on_skin(leg, laid),
             _tied(laid, wrap, ends),
             material.on_skin,
             material.on_bandage,
         ),
     )
+
+
+def _on_skin(leg, laid):
+    """Parameters of the laid points on the skin, (points, 2)."""
+    return skin_parameters(leg, laid.skin).reshape(-1, 2)
 
 
 def _last_row(strip):

@@ -6,6 +6,7 @@ The parts are summed into one residual and tangent. Units: N, mm, MPa.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -83,6 +84,7 @@ class Problem:
     inner     parts with unknowns of their own: `advance`, `state`, `restore`
     contacts  contact parts, whose pattern may have to grow
     others    further parts (shell)
+    let_go    hands over contact points at displacements u that slid past what carried them
     """
 
     inner: list
@@ -95,6 +97,14 @@ class Problem:
     tolerances: Tolerances = field(default_factory=Tolerances)
     cost: Cost = field(default_factory=Cost)
     system: System | None = None
+    let_go: Callable[[np.ndarray], bool] | None = None
+
+    def hand_over(self, u) -> bool:
+        """Let contact points that slid past what carried them be carried anew; whether any were."""
+        if self.let_go is None or not self.let_go(u):
+            return False
+        self.system = None
+        return True
 
     def analyse(self) -> None:
         """Sum the patterns and find the order of elimination."""
@@ -134,8 +144,11 @@ class Problem:
 
     def restore(self, state) -> None:
         """Undo since `state`."""
+        patterns = [contact.pattern for contact in self.contacts]
         for part, old in zip((*self.inner, *self.contacts), state, strict=True):
             part.restore(old)
+        if any(one.pattern is not old for one, old in zip(self.contacts, patterns, strict=True)):
+            self.system = None
 
     def newton(self, u, force: float | None = None):
         """Equilibrium at the present laws and viscosity from u; returns u and iterations.

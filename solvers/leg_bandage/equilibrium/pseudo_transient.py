@@ -55,7 +55,8 @@ def pseudo_transient(problem: Problem, u, viscosity: float, until: float = 0.0, 
         move = float(np.abs(change[moving]).max())
         if watch:
             watch(step, viscosity, move, iterations)
-        if final and (until or viscosity * move < limits.rest):
+        handed_over = problem.hand_over(u)
+        if final and not handed_over and (until or viscosity * move < limits.rest):
             return u, viscosity * move
         heading = change if accepted > 1 else heading
         fall = np.clip((reach / move) ** 2, 1.0, FALL if iterations <= EASY else FALL / 2)

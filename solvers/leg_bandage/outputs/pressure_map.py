@@ -118,9 +118,8 @@ def _sheet(model: Model, bandage: Wrapped, u: np.ndarray) -> Sheet:
     turn = strip.at(midpoints(strip), grid)[:, 1:3, :2]
     stretch = np.abs(turn[:, 0, 0] * turn[:, 1, 1] - turn[:, 0, 1] * turn[:, 1, 0])
     area = stretch * np.linalg.norm(np.cross(jet[:, 1], jet[:, 2]), axis=1)
-    pressure = np.zeros(laid.cover.size)
-    pressure[bandage.facing.points["skin"]] = bandage.facing.skin.report(u)["p"]
-    pressure = _on_elements(pressure.reshape(laid.cover.shape) * (1 - laid.cover), laid.area)
+    facing = bandage.facing
+    pressure = _on_elements(facing.on_skin(facing.skin.report(u)["p"], laid), laid.area)
     pressure = pressure * laid.density / area.reshape(shape)
 
     turns = 2 * np.pi / len(model.mesh.theta)
