@@ -23,7 +23,7 @@ from .facing import Facing
 
 Array = NDArray[np.float64]
 
-PAST = 0.5
+PAST = 1.0
 """Cells beyond a turn's rim at which it lets a point go: so far its surface goes on well."""
 NEAR = 5.0
 """mm: a turn farther than this does not lie beneath."""
