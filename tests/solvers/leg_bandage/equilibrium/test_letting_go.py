@@ -16,8 +16,8 @@ from surrogate_solvers.leg_bandage.verification.mandrel import Band, ring_wrap, 
 def test_what_comes_past_the_edge_comes_onto_the_skin():
     """A ring over a ring of the same width and eight elements across, moved up by three of them.
 
-    The midpoints of its upper two elements and its upper edge are then more than one past the
-    edge. No area is lost, and what comes onto the skin has no pressure before it moves.
+    The midpoints of its upper two elements are then more than one past the edge; the upper edge
+    lay on the skin from the start. No area is lost, and what comes onto the skin has no pressure before it moves.
     """
     wrap = replace(ring_wrap(20.0), thickness=0.5)
     two = wrap_mandrel(
@@ -52,7 +52,7 @@ def test_what_comes_past_the_edge_comes_onto_the_skin():
     assert upper.skin.points.area.sum() + on_ring.points.area.sum() == pytest.approx(before)
     assert not outside(on_ring.current.xi, two.strips[0]).any()
     new = slice(count, None)
-    assert set(upper.skin.points.laid[new] % 10) == {7, 8, 9}
+    assert set(upper.skin.points.laid[new] % 10) == {7, 8}
     report = upper.skin.report(u)
     assert (report["p"][new] == 0).all() and (report["slip_size"][new] == 0).all()
     two.problem.restore(state)
