@@ -17,7 +17,8 @@ def test_what_comes_past_the_edge_comes_onto_the_skin():
     """A ring over a ring of the same width and eight elements across, moved up by three of them.
 
     The midpoints of its upper two elements are then more than one past the edge; the upper edge
-    lay on the skin from the start. No area is lost, and what comes onto the skin has no pressure before it moves.
+    lay on the skin from the start. No area is lost, and what comes onto the skin has no
+    pressure before it moves.
     """
     wrap = replace(ring_wrap(20.0), thickness=0.5)
     two = wrap_mandrel(
@@ -54,7 +55,7 @@ def test_what_comes_past_the_edge_comes_onto_the_skin():
     new = slice(count, None)
     assert set(upper.skin.points.laid[new] % 10) == {7, 8}
     report = upper.skin.report(u)
-    assert (report["p"][new] == 0).all() and (report["slip_size"][new] == 0).all()
+    assert (report["p"][new] == 0).all() and report["slip_size"][new].max() < 1e-9
     two.problem.restore(state)
     assert len(upper.skin.points.area) == count
 
