@@ -1,6 +1,6 @@
 """Co-kriging of two levels of fidelity: solver seconds at equal RMSE, beside SMT's MFK.
 
-    python benchmarks/fidelity.py [forrester park borehole currin bandage]
+    python benchmarks/fidelity.py [forrester park borehole currin bandage fine]
 
 Pairs: Forrester, Sobester and Keane 2007; Park 1991, borehole and Currin et al. 1988 with the
 cheap versions of Xiong, Qian and Wu 2013 (Surjanovic and Bingham, Virtual Library of Simulation
@@ -29,8 +29,19 @@ their seed.
     bandage   16 + 64             1370   0.76, 0.90 mmHg   0.88    1117 s or more
     bandage   24 + 152            2603   0.34, 0.27 mmHg   1.25    1117 s or more
 
+With the fine mesh as truth (5 s coarse, 41 s fine on two cores): seven fine runs
+(`bandage_fine.csv`) beside coarse ones, judged by the 24 medium runs, which are 0.08 mmHg (RMS)
+from fine where both are known. For one level, runs of the coarse mesh stand in, which is as hard
+to learn: 24, 40, 60, 100 runs reach 1.61, 0.88, 0.72, 0.57 mmHg.
+
+    fine + coarse runs         seconds   RMSE        one level needs   saved
+    7 + 32                         447   1.21 mmHg            1250 s    64 %
+    7 + 60                         587   0.82 mmHg            1890 s    69 %
+    7 + 100                        787   0.69 mmHg            2700 s    71 %
+    7 + 152                       1047   0.51 mmHg    4100 s or more    74 % or more
+
 Co-kriging pays where true runs are too few to see the shape, and costs where the truth alone is
-smooth (Park). A coarse run of the bandage costs a fifth of a medium one: twice the share.
+smooth (Park). Of the bandage a coarse run costs a fifth of a medium one, an eighth of a fine one.
 """
 
 from __future__ import annotations
@@ -53,6 +64,8 @@ from surrogate.space.space import Parameter, Space
 RATIO, CHEAP, SEEDS, SCATTERED = 10.0, 5, 5, 12
 
 
+#: Seconds of a coarse and a fine run of the bandage on two cores.
+FINE_SECONDS = (5.0, 41.0)
 #: Pair -> numbers of true runs beside cheap ones, and alone.
 SIZES: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {
     "forrester": ((4, 6), (4, 6, 8, 10, 14, 20, 30, 40)),
@@ -183,6 +196,36 @@ def bandage() -> None:
     told(f"bandage (a coarse run {each[0]:.1f} s, a medium one {each[1]:.1f} s)", sizes, alone)
 
 
+def fine() -> None:
+    """Coarse and fine runs of the bandage, judged by the 24 medium runs, at `FINE_SECONDS`."""
+    root = Path(__file__).parent
+    study = Study.from_yaml(root.parent / "studies/bandage_fidelity.yaml")
+    runs, output, names = study.stored(), "pressure_b1", study.space.names
+    x, low = rundata.training(runs, output, ["pairs"], "coarse")
+    new, target = rundata.training(runs, output, ["pairs"])
+    table = np.genfromtxt(root / "bandage_fine.csv", delimiter=",", names=True)
+    t, high = study.space.encode({name: table[name] for name in names}), table[output]
+    held, medium = rundata.training(runs, output, ["test"])
+    near = np.abs(held[:, None] - t).max(axis=2).argmin(axis=0)
+    print(f"\nbandage, fine: medium is {rmse(medium[near], high):.2f} mmHg (RMS) from fine")
+    cheap, true = FINE_SECONDS
+    for n in (0, 32, 60, 100, 152):
+        own = np.random.default_rng(0).permutation(len(x))[:n]
+        lower = [LevelRuns(x[own], low[own])] if n else []
+        error = rmse(CoKriging(lower=lower).fit(t, high).predict(new), target)
+        print(f"  {len(t)} fine + {n} coarse, {len(t) * true + n * cheap:.0f} s: RMSE {error:.2f}")
+    for n in (24, 40, 60, 100):  # the coarse mesh is as hard to learn
+        single = []
+        for seed in range(SEEDS):
+            order = np.random.default_rng(seed).permutation(len(x))
+            one = CoKriging().fit(x[order[:n]], low[order[:n]])
+            single.append(rmse(one.predict(x[order[n:]]), low[order[n:]]))
+        print(f"  {n} runs of one mesh, {n * true:.0f} s if fine: RMSE {np.median(single):.2f}")
+
+
 if __name__ == "__main__":
-    for wanted in sys.argv[1:] or [*SIZES, "bandage"]:
-        bandage() if wanted == "bandage" else public(wanted)
+    for wanted in sys.argv[1:] or [*SIZES, "bandage", "fine"]:
+        if wanted in SIZES:
+            public(wanted)
+        else:
+            {"bandage": bandage, "fine": fine}[wanted]()
