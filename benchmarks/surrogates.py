@@ -6,6 +6,7 @@
     python benchmarks/surrogates.py predict      100 000 predictions of a Gaussian process
     python benchmarks/surrogates.py many         polynomials of 100 000 runs, with cross-validation
     python benchmarks/surrogates.py large        Gaussian process on 1000 to 50 000 runs
+    python benchmarks/surrogates.py bounds       Gaussian process: lengths up to 1000, or to 50
     python benchmarks/surrogates.py truncation   polynomial chaos: truncation chosen, or 0.75
 
 Measured in processor time on one thread, ours and scikit-learn's in the same run:
@@ -33,6 +34,7 @@ import numpy as np
 from public_functions import FUNCTIONS
 from scipy import stats
 from scipy.stats import qmc
+from sklearn.base import clone
 from sklearn.ensemble import RandomForestRegressor
 from sklearn.exceptions import ConvergenceWarning
 from sklearn.gaussian_process import GaussianProcessRegressor
@@ -41,6 +43,7 @@ from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 from surrogate.fitting.fit import fit, q2
 from surrogate.regressors.chaos import PolynomialChaos
 from surrogate.regressors.gaussian_process import GaussianProcess
+from surrogate.regressors.likelihood import LengthPrior
 from surrogate.regressors.polynomial import Linear, Quadratic
 from surrogate.space.distributions import uniform
 from surrogate.space.space import Parameter, Space
@@ -224,25 +227,49 @@ def many() -> None:
 
 
 def truncation(sizes: tuple[int, ...]) -> None:
-    """Error of chaos with its truncation chosen over that with 0.75, over public functions."""
+    """Error of chaos with its truncation chosen over that with 0.75."""
     for runs in sizes:
-        ratios = []
-        for function in FUNCTIONS:
-            test = qmc.Sobol(function.inputs, seed=9).random(1024)
-            truth, coded = function.values(test), cube(function.inputs, runs, seed=1)
-            values = function.values((coded + 1.0) / 2.0)
-            chosen, fixed = (
-                PolynomialChaos(hyperbolic=q).fit(coded, values).predict(2.0 * test - 1.0) - truth
-                for q in (None, 0.75)
-            )
-            floor = 1e-12 * truth.std()
-            ratios.append((np.std(chosen) + floor) / (np.std(fixed) + floor))
-        low, middle, high = np.quantile(ratios, [0.05, 0.5, 0.95])
-        print(
-            f"{runs} runs: error of the chosen truncation over that of 0.75: geometric mean "
-            f"{np.exp(np.mean(np.log(ratios))):.2f}, median {middle:.2f}, 90 % of functions "
-            f"{low:.2f} to {high:.2f}"
+        print_ratios(
+            f"{runs} runs: error of the chosen truncation over that of 0.75",
+            *(errors_of(PolynomialChaos(hyperbolic=q), runs) for q in (None, 0.75)),
         )
+
+
+class Shorter(GaussianProcess):
+    """The process with lengths of 50 at most."""
+
+    length_prior = LengthPrior((0.05, 50.0))
+
+
+def bounds(sizes: tuple[int, ...]) -> None:
+    """Error of the process over that with lengths of 50 at most."""
+    for runs in sizes:
+        print_ratios(
+            f"{runs} runs: error with lengths up to 1000 over that with 50",
+            *(errors_of(process, runs) for process in (GaussianProcess(), Shorter())),
+        )
+
+
+def errors_of(model, runs: int) -> np.ndarray:
+    """RMSE over the standard deviation, of every public function."""
+    found = []
+    for function in FUNCTIONS:
+        test = qmc.Sobol(function.inputs, seed=9).random(1024)
+        truth, coded = function.values(test), cube(function.inputs, runs, seed=1)
+        fitted = clone(model).fit(coded, function.values((coded + 1.0) / 2.0))
+        errors = fitted.predict(2.0 * test - 1.0) - truth
+        found.append(np.sqrt(np.mean(errors**2)) / truth.std())
+    return np.array(found)
+
+
+def print_ratios(title: str, ours: np.ndarray, theirs: np.ndarray) -> None:
+    ratios = (ours + 1e-12) / (theirs + 1e-12)
+    low, middle, high, most = np.quantile(ratios, [0.05, 0.5, 0.95, 1.0])
+    print(
+        f"{title}: geometric mean {np.exp(np.mean(np.log(ratios))):.2f}, median {middle:.2f}, "
+        f"90 % of functions {low:.2f} to {high:.2f}, at most {most:.2f}",
+        flush=True,
+    )
 
 
 def large(sizes: tuple[int, ...]) -> None:
@@ -272,7 +299,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
         "what",
-        choices=["accuracy", "small", "regression", "predict", "many", "truncation", "large"],
+        choices=[
+            "accuracy",
+            "small",
+            "regression",
+            "predict",
+            "many",
+            "bounds",
+            "truncation",
+            "large",
+        ],
     )
     parser.add_argument("--runs", type=int, nargs="+")
     parser.add_argument("--seeds", type=int, default=10)
@@ -286,7 +322,8 @@ def main() -> None:
         "predict": predict,
         "many": many,
         "large": lambda: large(tuple(given.runs or (1000, 2000, 5000, 50_000))),
-        "truncation": lambda: truncation(tuple(given.runs or (50, 200, 500))),
+        "bounds": lambda: bounds(tuple(given.runs or (15, 40, 100))),
+        "truncation": lambda: truncation(tuple(given.runs or (40, 100, 200))),
     }[given.what]()
 
 

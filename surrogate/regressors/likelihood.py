@@ -31,7 +31,7 @@ class LengthPrior:
     length at its bound, and 95 % intervals then cover 50 to 75 % of new runs.
 
     Coded inputs span 2: below the lower bound neighbouring runs of any affordable design are
-    unrelated, above an upper one of 50 an input is a straight line or plays no part.
+    unrelated, at the upper one an input is a straight line or plays no part.
     """
 
     bounds: tuple[float, float]
@@ -57,8 +57,8 @@ class LengthPrior:
         return np.asarray(2.0 * off * heavy / self.spread)
 
 
-NORMAL = LengthPrior((0.05, 50.0))
-#: Heavy tails and far bounds let many runs say that an input plays no part.
+NORMAL = LengthPrior((0.05, 1000.0))
+#: Heavy tails let many cheap runs say that an input plays no part.
 HEAVY_TAILED = LengthPrior((0.05, 1000.0), freedom=3.0)
 
 
