@@ -7,8 +7,8 @@ from scipy.stats import qmc
 
 from surrogate.regressors.cokriging import CoKriging
 from surrogate.regressors.gaussian_process import GaussianProcess
-from surrogate.regressors.likelihood import LengthPrior
 from surrogate.regressors.level_process import LevelProcess, LevelRuns
+from surrogate.regressors.likelihood import LengthPrior
 from surrogate.regressors.matern import correlation
 
 
