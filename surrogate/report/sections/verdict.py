@@ -40,6 +40,9 @@ KINDS = {
     "Stepwise": "stepwise polynomial",
     "Lasso": "LASSO polynomial",
     "PolynomialChaos": "polynomial chaos expansion",
+    "Huber": "robust polynomial",
+    "MixedModel": "mixed model",
+    "CoKriging": "co-kriging",
 }
 
 
