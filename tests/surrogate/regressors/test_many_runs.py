@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import tracemalloc
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -121,7 +122,8 @@ def test_memory_does_not_grow_with_the_runs(monkeypatch):
 
 
 LARGE = """
-import resource
+import re
+from pathlib import Path
 import numpy as np
 from surrogate.fitting.fit import fit
 from surrogate.regressors.chaos import PolynomialChaos
@@ -132,16 +134,18 @@ space = Space(tuple(Parameter(f"p{k}", uniform(0, 1)) for k in range(7)))
 x = space.sample(100_000, seed=1)
 y = np.exp(x[:, 0]) * np.sin(2 * x[:, 1]) + 1 / (1.5 + x[:, 2]) + x[:, 3] * x[:, 4] * x[:, 5]
 fits = [fit(space, x, y, one) for one in (Linear(), Quadratic(), PolynomialChaos())]
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+print(int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1]) / 1024)
 print(fits[2].q2)
 """
 
 
 @pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs Linux's /proc")
 def test_a_hundred_thousand_runs_in_a_gigabyte():
     """Linear, quadratic and polynomial chaos with their left-out errors.
 
-    What they cost in time is printed by `benchmarks/surrogates.py many`.
+    What they cost in time is printed by `benchmarks/surrogates.py many`. The peak is that of
+    the process itself: `ru_maxrss` counts the one that forked it, too.
     """
     said = subprocess.run(
         [sys.executable, "-c", LARGE], capture_output=True, text=True, check=True
