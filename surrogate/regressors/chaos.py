@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import chain
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -53,6 +53,15 @@ CHOOSING, CANDIDATES_OF_MANY = 10_000, 2500
 _of_many: Callable[[Callable[..., Any]], Any] = available_if(
     lambda chaos: isinstance(getattr(chaos, "model_", None), FitOfMany)
 )
+
+
+class Choice(NamedTuple):
+    """Terms of an expansion, the truncation and degree that they are of, its error on folds."""
+
+    indices: tuple[Index, ...]
+    hyperbolic: float
+    degree: int
+    error: float
 
 
 class PolynomialChaos(RegressorMixin, BaseEstimator):
@@ -94,24 +103,25 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
         self.bases_ = [basis(parameter, self.max_degree) for parameter in parameters]
         self.model_: LeastSquares | FitOfMany
         if len(outputs) > MANY:
-            self.hyperbolic_ = own or OF_MANY
-            self.indices_, self.degree_, self.error_ = self._select_of_many(points, outputs)
+            chosen = self._select_of_many(points, outputs)
+        else:
+            chosen = self._select(points, outputs)
+        self.indices_, self.hyperbolic_, self.degree_, self.error_ = chosen
+        if len(outputs) > MANY:
             self.model_ = fit_of_many(self._rows(self.indices_), points, outputs)
         else:
-            self._select(points, outputs)
             names = [self._name(index) for index in self.indices_]
             self.model_ = least_squares(self._matrix(points), outputs, names)
         self.coef_ = self.model_.coefficients
         return self
 
-    def _select(self, X: Array, y: Array) -> None:
-        """Truncation, degree and terms of the best expansion, over degrees from 1 up."""
+    def _select(self, X: Array, y: Array) -> Choice:
+        """The best expansion, over truncations and degrees from 1 up."""
         values = [one.values(X[:, i]) for i, one in enumerate(self.bases_)]
         folds = np.random.default_rng(self.seed).permutation(np.arange(len(y)) % FOLDS)
         known: dict[tuple[Index, ...], tuple[int, float]] = {}
-        best: tuple[Index, ...] = ((),)
+        best = Choice(((),), self.hyperbolic or TRUNCATIONS[0], 0, 1.0)
         count = 1
-        self.hyperbolic_, self.degree_, self.error_ = self.hyperbolic or TRUNCATIONS[0], 0, 1.0
         for truncation in TRUNCATIONS if self.hyperbolic is None else (self.hyperbolic,):
             smallest, at = 1.0, 0
             for degree in range(1, self.max_degree + 1):
@@ -123,39 +133,38 @@ class PolynomialChaos(RegressorMixin, BaseEstimator):
                 terms, error = known[indices]
                 if error < smallest * (1.0 - 1e-9):
                     smallest, at = error, degree
-                if error < self.error_ * (1.0 - 1e-9):
-                    self.hyperbolic_, self.degree_, self.error_ = truncation, degree, error
-                    best, count = indices, terms
-        order = pursue(products(best, values), y, count)
-        self.indices_ = tuple(best[j] for j in sorted(order))
+                if error < best.error * (1.0 - 1e-9):
+                    best, count = Choice(indices, truncation, degree, error), terms
+        order = pursue(products(best.indices, values), y, count)
+        return best._replace(indices=tuple(best.indices[j] for j in sorted(order)))
 
-    def _select_of_many(self, X: Array, y: Array) -> tuple[tuple[Index, ...], int, float]:
-        """Terms, degree and error as `_select` finds them, on sums of products over some runs."""
+    def _select_of_many(self, X: Array, y: Array) -> Choice:
+        """The best expansion of one truncation, on sums of products over some runs."""
         X, y = self._choosing(X, y - y.mean())
         folds = np.random.default_rng(self.seed).permutation(np.arange(len(y)) % FOLDS)
-        best, at, reach = 1.0, 0, 0
-        chosen: tuple[Index, ...] = ((),)
+        truncation = self.hyperbolic or OF_MANY
+        best, reach = Choice(((),), truncation, 0, 1.0), 0
         for degree in range(1, self.max_degree + 1):
-            indices = self._candidates(degree, self.hyperbolic_)
-            if len(indices) > CANDIDATES_OF_MANY or degree > at + PATIENCE:
+            indices = self._candidates(degree, truncation)
+            if len(indices) > CANDIDATES_OF_MANY or degree > best.degree + PATIENCE:
                 break
             if degree > reach:
-                reach = self._reach(at + PATIENCE)
-                known = self._candidates(reach, self.hyperbolic_)
+                reach = self._reach(best.degree + PATIENCE, truncation)
+                known = self._candidates(reach, truncation)
                 sums = moments(self._rows(known), X, y, folds)
                 places = {index: place for place, index in enumerate(known)}
             own = [one.of([places[index] for index in indices]) for one in sums]
             count, error = best_count_of_many(own, TERMS)
-            if error < best * (1.0 - 1e-9):
-                best, at = error, degree
-                chosen = tuple(indices[j] for j in sorted(path(total(own), count).order))
-        return chosen, at, best
+            if error < best.error * (1.0 - 1e-9):
+                order = path(total(own), count).order
+                chosen = tuple(indices[j] for j in sorted(order))
+                best = Choice(chosen, truncation, degree, error)
+        return best
 
-    def _reach(self, degree: int) -> int:
+    def _reach(self, degree: int, truncation: float) -> int:
         """The largest degree up to this one that is tried with many runs."""
         degrees = range(1, min(degree, self.max_degree) + 1)
-        of = self.hyperbolic_
-        return max(d for d in degrees if len(self._candidates(d, of)) <= CANDIDATES_OF_MANY)
+        return max(d for d in degrees if len(self._candidates(d, truncation)) <= CANDIDATES_OF_MANY)
 
     def _candidates(self, degree: int, truncation: float) -> tuple[Index, ...]:
         return hyperbolic(_sizes(self.bases_), degree, truncation)

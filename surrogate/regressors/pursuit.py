@@ -5,6 +5,8 @@ Chen, Billings, Luo 1989, Orthogonal least squares methods. For many runs see `m
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,28 +19,9 @@ BEYOND, MORE = 2, 20
 
 
 def pursue(matrix: Array, y: Array, steps: int) -> list[int]:
-    """Columns of matrix (n, p) in the order of orthogonal least squares, the first one first.
-
-    Squared norms and products with y of all columns, less their parts along those taken,
-    are kept up to date by one matrix-vector product a step, O(n p).
-    """
-    squares, along = (matrix**2).sum(axis=0), y @ matrix
-    floor = 1e-10 * squares + 1e-300
-    taken: list[int] = []
-    basis = np.empty((len(y), steps))
-    for k in range(steps):
-        column = int(strongest(squares, along, floor)) if k else 0
-        if column < 0:
-            break
-        direction = matrix[:, column].copy()
-        for _ in range(2):
-            direction -= basis[:, :k] @ (basis[:, :k].T @ direction)
-        basis[:, k] = direction / np.linalg.norm(direction)
-        shadow = basis[:, k] @ matrix
-        squares, along = squares - shadow**2, along - (basis[:, k] @ y) * shadow
-        squares[column] = 0.0
-        taken.append(column)
-    return taken
+    """Columns of matrix (n, p) in the order of orthogonal least squares, the first one first."""
+    every = np.ones((1, len(y)))
+    return [int(columns[0]) for columns, _ in _sweep(matrix, y, every, steps)]
 
 
 def strongest(squares: Array, along: Array, floor: Array) -> NDArray[np.intp]:
@@ -67,24 +50,42 @@ def best_count(matrix: Array, y: Array, folds: NDArray[np.intp]) -> tuple[int, f
 
 
 def _errors_on_folds(matrix: Array, y: Array, folds: NDArray[np.intp]) -> list[float]:
-    """Squared error of all runs by 1, 2, ... terms, each fold predicted by a fit without it.
-
-    All folds take their k-th term at once. A direction is orthonormal on the runs that are
-    fitted; the same combination of columns continues it to those left out, where it predicts.
-    """
-    fitted = (folds != np.unique(folds)[:, None]).astype(float)  # (fold, n)
-    squares, along = fitted @ matrix**2, (fitted * y) @ matrix
-    floor = 1e-10 * squares + 1e-300
+    """Squared error of all runs by 1, 2, ... terms, each fold predicted by a fit without it."""
+    fitted = (folds != np.unique(folds)[:, None]).astype(float)
     steps = max(min(int(fitted.sum(axis=1).min()) - 1, matrix.shape[1], TERMS), 1)
-    basis = np.zeros((len(fitted), steps, len(y)))
-    left = (1.0 - fitted) * y
     errors: list[float] = []
     smallest, count = np.inf, 1
+    for _, left in _sweep(matrix, y, fitted, steps):
+        errors.append(float((left**2).sum()))
+        if errors[-1] < smallest:
+            smallest, count = errors[-1], len(errors)
+        if len(errors) >= BEYOND * count + MORE:
+            break
+    return errors
+
+
+def _sweep(
+    matrix: Array, y: Array, fitted: Array, steps: int
+) -> Iterator[tuple[NDArray[np.intp], Array]]:
+    """Orthogonal least squares on several sets of the runs, which take a term each at a step.
+
+    fitted (sets, n) is 1 for the runs of a set, 0 for those left out. Gives the column that each
+    set takes, -1 for none, and what it misses at the runs left out (sets, n), 0 at its own. The
+    sweep ends when no set takes one.
+
+    A direction is orthonormal on the runs of its set; the same combination of columns continues
+    it to the others, where it predicts. Squared norms and products with y of all columns, less
+    their parts along those taken, are kept up to date by one matrix product a step, O(sets n p).
+    """
+    squares, along = fitted @ matrix**2, (fitted * y) @ matrix
+    floor = 1e-10 * squares + 1e-300
+    basis = np.zeros((len(fitted), steps, len(y)))
+    left = (1.0 - fitted) * y
     for k in range(steps):
         columns = strongest(squares, along, floor) if k else np.zeros(len(fitted), dtype=np.intp)
         some = columns >= 0
         if not some.any():
-            break
+            return
         direction = matrix[:, columns].T * some[:, None]
         for _ in range(2):
             parts = basis[:, :k] @ (fitted * direction)[:, :, None]
@@ -96,9 +97,4 @@ def _errors_on_folds(matrix: Array, y: Array, folds: NDArray[np.intp]) -> list[f
         squares, along = squares - shadow**2, along - height[:, None] * shadow
         squares[np.arange(len(fitted)), columns] = 0.0
         left -= height[:, None] * (basis[:, k] - inside)
-        errors.append(float((left**2).sum()))
-        if errors[k] < smallest:
-            smallest, count = errors[k], k + 1
-        if k + 1 >= BEYOND * count + MORE:
-            break
-    return errors
+        yield columns, left
