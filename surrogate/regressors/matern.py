@@ -32,6 +32,18 @@ def correlation(a: Array, b: Array, lengths: Array) -> Array:
     return result
 
 
+def paired(a: Array, b: Array, lengths: Array) -> Array:
+    """Correlations of points (..., c) that broadcast against each other."""
+    product: Array = np.ones(np.broadcast_shapes(a.shape[:-1], b.shape[:-1]))
+    distance = np.zeros_like(product)
+    for j, length in enumerate(lengths):
+        s = np.abs(a[..., j] - b[..., j]) * (ROOT5 / length)
+        distance += s
+        product *= (s + 3.0) * s + 3.0
+    product *= np.exp(-distance)
+    return product / 3.0 ** len(lengths)
+
+
 def weighted_sum(points: Array, centres: Array, lengths: Array, weights: Array) -> Array:
     """sum_i weights[i] k(point, centre_i) at points (m, c), in blocks that fit the cache.
 

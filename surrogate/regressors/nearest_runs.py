@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 from scipy.spatial import cKDTree
 
-from surrogate.regressors.matern import ROOT5, correlation
+from surrogate.regressors.matern import correlation, paired
 from surrogate.regressors.process import Process
 
 Array = NDArray[np.float64]
@@ -107,11 +107,11 @@ class NearestRuns:
         own, known, core = Given.at(self.core, points), self.given, self.core
         explained, rest, beside = known.explained[near], known.rest[near], self.points[near]
         noise = core.nugget_ * core.noise_at(beside.reshape(-1, beside.shape[-1]))
-        inner = _correlations(beside[:, :, None], beside[:, None], core.lengths_)
+        inner = paired(beside[:, :, None], beside[:, None], core.lengths_)
         inner -= explained @ explained.swapaxes(1, 2)
         inner += rest @ rest.swapaxes(1, 2)
         np.einsum("kii->ki", inner)[:] += noise.reshape(near.shape) + ROUNDING
-        outer = _correlations(beside, points[:, None], core.lengths_)
+        outer = paired(beside, points[:, None], core.lengths_)
         outer -= np.einsum("kmc,kc->km", explained, own.explained)
         outer += np.einsum("kmq,kq->km", rest, own.rest)
         both = np.stack([outer, self.missed[near]], axis=-1)
@@ -122,15 +122,3 @@ class NearestRuns:
         return own.mean + np.einsum("km,km->k", outer, solved[:, :, 1]), np.maximum(
             variance, nugget
         )
-
-
-def _correlations(a: Array, b: Array, lengths: Array) -> Array:
-    """Correlations of points (..., c) that broadcast against each other."""
-    product: Array = np.ones(np.broadcast_shapes(a.shape[:-1], b.shape[:-1]))
-    distance = np.zeros_like(product)
-    for j, length in enumerate(lengths):
-        s = np.abs(a[..., j] - b[..., j]) * (ROOT5 / length)
-        distance += s
-        product *= (s + 3.0) * s + 3.0
-    product *= np.exp(-distance)
-    return product / 3.0 ** len(lengths)
