@@ -51,8 +51,7 @@ def noise(output: str, unit: str, fits: Iterable[Fit], scatter: Replicates | Non
     known = [fit for fit in fits if fit.values.ndim == 1 and float(fit.values.var()) > 0.0]
     if not known:
         return None
-    best = max(known, key=lambda fit: -1e300 if math.isnan(fit.q2) else fit.q2)
-    variance = float(best.values.var(ddof=1))
+    variance = float(_best(known).values.var(ddof=1))
     if scatter is not None:
         share = min(scatter.std**2 / variance, 1.0)
         told = _shown(output, unit, share, scatter)
@@ -60,13 +59,18 @@ def noise(output: str, unit: str, fits: Iterable[Fit], scatter: Replicates | Non
     processes = [fit for fit in known if isinstance(fit.estimator, FittedProcess)]
     if not processes:
         return None
-    one = max(processes, key=lambda fit: -1e300 if math.isnan(fit.q2) else fit.q2)
+    one = _best(processes)
     assert isinstance(one.estimator, FittedProcess)
     std = math.sqrt(one.estimator.nugget_ * one.estimator.variance_)
     share = min(std**2 / float(one.values.var(ddof=1)), 1.0)
     if not share > LOUD:
         return None
     return Noise(share, std, 0, one.surrogate, _guessed(output, unit, share, std, one.surrogate))
+
+
+def _best(fits: Iterable[Fit]) -> Fit:
+    """The fit of largest Q2; one without a Q2 comes last."""
+    return max(fits, key=lambda fit: -math.inf if math.isnan(fit.q2) else fit.q2)
 
 
 def q2_of_mean(fit: Fit) -> float | None:

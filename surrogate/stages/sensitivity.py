@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -46,34 +47,21 @@ def jobs(
     """The indices of each output; no job when none are asked for or nothing was fitted."""
     if sensitivity_method is None:
         return []
+    read: dict[str, tuple[Fit | Runs, float]]
     if needs_no_surrogate(sensitivity_method.function):
-        return [
-            Job(
-                f"{sensitivity_method.name} of {output}",
-                indices,
-                {
-                    "method": sensitivity_method,
-                    "space": space,
-                    "fit": _table(runs, output),
-                    "q2": float("nan"),
-                },
-            )
-            for output in outputs
-        ]
-    if comparison is None:
+        read = {output: (_table(runs, output), math.nan) for output in outputs}
+    elif comparison is None:
         return []
+    else:
+        chosen = analysed(sensitivity_method, fits, comparison)
+        read = {output: (fit, _q2(comparison, fit)) for output, fit in chosen.items()}
     return [
         Job(
             f"{sensitivity_method.name} of {output}",
             indices,
-            {
-                "method": sensitivity_method,
-                "space": space,
-                "fit": fit,
-                "q2": _q2(comparison, fit),
-            },
+            {"method": sensitivity_method, "space": space, "fit": fit, "q2": q2},
         )
-        for output, fit in analysed(sensitivity_method, fits, comparison).items()
+        for output, (fit, q2) in read.items()
     ]
 
 
