@@ -183,7 +183,4 @@ def _pad_inputs(pad: Pad) -> dict[str, Input]:
 
 def _mean_radius(leg: Leg) -> float:
     """Mean girth between the cuts over 2 pi, mm."""
-    theta = np.linspace(0, 2 * np.pi, 73)
-    skin = leg.surface(*np.meshgrid(theta, np.linspace(0, leg.length, 21), indexing="ij"))
-    girth = np.linalg.norm(np.diff(skin, axis=0), axis=-1).sum(axis=0)
-    return float(girth.mean() / (2 * np.pi))
+    return float(leg.girth(np.linspace(0, leg.length, 21)).mean() / (2 * np.pi))
